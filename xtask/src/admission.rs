@@ -3,7 +3,7 @@
 //! It is counted as it is compiled in the firmware, for size.
 
 use crate::budget::{BudgetRow, Options};
-use crate::cores::{self, Core};
+use crate::cores::Core;
 use crate::image::Image;
 use crate::repository::SceneFile;
 use crate::{parallel, qemu};
@@ -48,12 +48,16 @@ impl BudgetRow for AdmissionRow {
 }
 
 pub(crate) fn run(options: &Options) -> Result<()> {
-    let core = cores::named(CORE).context("a core of the table")?;
+    let mut cores = options.cores()?;
+    cores.retain(|core| core.name == CORE);
+    let core = cores
+        .first()
+        .with_context(|| format!("admission is measured on {CORE} alone"))?;
     let scenes = options.scenes()?;
     let rows = parallel::map(parallel::workers(), &scenes, |file| measure(file, core))?;
     let rows: Vec<AdmissionRow> = rows.into_iter().flatten().collect();
     options.print(&rows)?;
-    options.settle("admission", rows, true)
+    options.settle("admission", rows)
 }
 
 /// Builds the image: as in the firmware, whose background is compiled for size (`[profile.device]`).

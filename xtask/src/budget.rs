@@ -1,5 +1,6 @@
 //! Measured figures, checked in: a figure that moves is seen in the change that moves it.
 
+use crate::cores::{self, CORES, Core};
 use crate::image::scalars;
 use crate::repository::{self, SceneFile, compiler, root};
 use crate::table::table;
@@ -27,6 +28,9 @@ pub(crate) struct Options {
     /// Measure each scene in the number type of its image only
     #[arg(long)]
     own: bool,
+    /// m4f, m3, m0 or rv32imc; repeat for more; without it, all that the chore measures on
+    #[arg(long)]
+    core: Vec<String>,
     /// Fail where a figure moved by more than 2 % from what is checked in in xtask/budgets
     #[arg(long, conflicts_with = "bless")]
     check: bool,
@@ -47,6 +51,11 @@ impl Options {
             true => vec![of_scene(scene.number)],
             false => scalars(scene),
         }
+    }
+
+    /// The cores to measure on.
+    pub(crate) fn cores(&self) -> Result<Vec<&'static Core>> {
+        cores_named(&self.core)
     }
 
     /// Prints what was measured: as JSON, or as a table.
@@ -72,22 +81,27 @@ impl Options {
     }
 
     /// Compares `rows` with what is checked in as `name`, or checks them in, as asked.
-    /// `all_parts`: of each scene, everything was measured.
-    pub(crate) fn settle<Row: BudgetRow>(
-        &self,
-        name: &str,
-        rows: Vec<Row>,
-        all_parts: bool,
-    ) -> Result<()> {
+    pub(crate) fn settle<Row: BudgetRow>(&self, name: &str, rows: Vec<Row>) -> Result<()> {
         if self.check {
             check(name, &rows)?;
         }
         if self.bless {
-            let all = all_parts && self.scene.is_empty() && !self.own;
+            let all = self.core.is_empty() && self.scene.is_empty() && !self.own;
             bless(name, rows, all)?;
         }
         Ok(())
     }
+}
+
+fn cores_named(names: &[String]) -> Result<Vec<&'static Core>> {
+    if names.is_empty() {
+        return Ok(CORES.iter().collect());
+    }
+    let known: Vec<&str> = CORES.iter().map(|core| core.name).collect();
+    let of = |name: &String| {
+        cores::named(name).with_context(|| format!("{name}: no such core ({})", known.join(", ")))
+    };
+    names.iter().map(of).collect()
 }
 
 /// A row of figures that can be told from other rows. Constants list fields, parted by spaces.
@@ -365,6 +379,12 @@ mod tests {
         );
         let back: Budget<Row> = serde_json::from_str(&text).expect("is JSON");
         assert_eq!((back.rows[1].core.as_str(), back.rows[1].max), ("b", 2.0));
+    }
+
+    #[test]
+    fn an_unknown_core_is_refused_with_the_known_ones() {
+        let error = cores_named(&["m7".into()]).expect_err("not emulated here");
+        assert_eq!(error.to_string(), "m7: no such core (m4f, m3, m0, rv32imc)");
     }
 
     #[test]

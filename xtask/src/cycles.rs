@@ -18,7 +18,7 @@ mod trace;
 
 use crate::admission;
 use crate::budget::{BudgetRow, Ceiling, Options, hold_ceilings};
-use crate::cores::{self, CORES, Core};
+use crate::cores::{self, Core};
 use crate::image::Image;
 use crate::insns::{counts::Counts, has_service};
 use crate::repository::SceneFile;
@@ -130,39 +130,45 @@ pub(crate) fn run(options: &Options) -> Result<()> {
     let rows = all(options)?;
     options.print(&rows)?;
     hold_ceilings(&rows, &CEILINGS)?;
-    options.settle("cycles", rows, true)
+    options.settle("cycles", rows)
 }
 
 fn all(options: &Options) -> Result<Vec<CyclesRow>> {
     let scenes = options.scenes()?;
+    let cores = timed(options.cores()?);
+    let has_admission = cores.iter().any(|core| core.name == admission::CORE);
     // None: admission, which has a number type of its own.
     let mut jobs = Vec::new();
     for file in &scenes {
         let scalars = options.scalars(&Scene::read(&file.path)?);
         let scalars = scalars.into_iter().map(Some);
-        jobs.extend(scalars.chain([None]).map(|scalar| (file, scalar)));
+        let admission = has_admission.then_some(None);
+        jobs.extend(scalars.chain(admission).map(|scalar| (file, scalar)));
     }
     let rows = parallel::map(parallel::workers(), &jobs, |(file, scalar)| match scalar {
-        Some(scalar) => ticks(file, scalar),
+        Some(scalar) => ticks(&cores, file, scalar),
         None => admissions(file),
     })?;
     Ok(rows.into_iter().flatten().collect())
 }
 
-/// Cores that there is a timing table for.
-fn timed_cores() -> Vec<&'static Core> {
-    let is_timed = |core: &&Core| BOARDS.iter().any(|board| board.emulated == core.name);
-    CORES.iter().filter(is_timed).collect()
+/// Those of `cores` that there is a timing table for.
+fn timed(mut cores: Vec<&'static Core>) -> Vec<&'static Core> {
+    cores.retain(|core| BOARDS.iter().any(|board| board.emulated == core.name));
+    cores
 }
 
-fn ticks(file: &SceneFile, scalar: &'static str) -> Result<Vec<CyclesRow>> {
+fn ticks(
+    cores: &[&'static Core],
+    file: &SceneFile,
+    scalar: &'static str,
+) -> Result<Vec<CyclesRow>> {
     let scene = Scene::read(&file.path)?;
-    let cores = timed_cores();
     let targets: Vec<_> = cores.iter().map(|core| core.target).collect();
     let first = cores.first().context("a core with a timing table")?;
     let images = Image::insns("count", file, scalar, first.target).build_for(&targets)?;
     let mut rows = Vec::new();
-    for (core, image) in cores.into_iter().zip(images) {
+    for (&core, image) in cores.iter().zip(images) {
         let of = |what| Subject { file, scalar, what };
         let traced = tick(core, &image).with_context(|| format!("{} {scalar}", core.name))?;
         rows.extend(of("tick").rows(&traced));

@@ -7,7 +7,7 @@ pub(crate) mod counts;
 mod service;
 
 use crate::budget::{BudgetRow, Ceiling, Options, hold_ceilings};
-use crate::cores::{self, CORES, Core};
+use crate::cores::Core;
 use crate::image::Image;
 use crate::repository::SceneFile;
 use crate::{parallel, qemu, reference};
@@ -23,15 +23,6 @@ const CEILINGS: [Ceiling; 1] = [Ceiling::new("m4f f32 *", "dyad_max", 60.0)];
 /// Core on which the service is counted.
 const SERVICE_CORE: &str = "m4f";
 const SERVICE_SCALAR: &str = "f32";
-
-#[derive(clap::Args)]
-pub(crate) struct InsnsArgs {
-    #[command(flatten)]
-    options: Options,
-    /// m4f, m3, m0 or rv32imc; repeat for more; without it, all of them
-    #[arg(long)]
-    core: Vec<String>,
-}
 
 /// Figures of one core, number type and scene, in instructions.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -73,23 +64,11 @@ impl BudgetRow for InsnsRow {
                            bits";
 }
 
-pub(crate) fn run(arguments: &InsnsArgs) -> Result<()> {
-    let options = &arguments.options;
-    let rows = measure(options, &cores_named(&arguments.core)?)?;
+pub(crate) fn run(options: &Options) -> Result<()> {
+    let rows = measure(options, &options.cores()?)?;
     options.print(&rows)?;
     hold_ceilings(&rows, &CEILINGS)?;
-    options.settle("insns", rows, arguments.core.is_empty())
-}
-
-fn cores_named(names: &[String]) -> Result<Vec<&'static Core>> {
-    if names.is_empty() {
-        return Ok(CORES.iter().collect());
-    }
-    let known: Vec<&str> = CORES.iter().map(|core| core.name).collect();
-    let of = |name: &String| {
-        cores::named(name).with_context(|| format!("{name}: no such core ({})", known.join(", ")))
-    };
-    names.iter().map(of).collect()
+    options.settle("insns", rows)
 }
 
 /// Every scene in its number types on `cores`. Emulators run while the next images are built.
@@ -183,6 +162,7 @@ fn measure_one(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cores::CORES;
 
     #[test]
     fn every_ceiling_is_of_something_that_is_measured() {
@@ -236,12 +216,6 @@ mod tests {
                 }
             }
         }
-    }
-
-    #[test]
-    fn an_unknown_core_is_refused_with_the_known_ones() {
-        let error = cores_named(&["m7".into()]).expect_err("not emulated here");
-        assert_eq!(error.to_string(), "m7: no such core (m4f, m3, m0, rv32imc)");
     }
 
     #[test]

@@ -45,7 +45,7 @@ struct Arguments {
 #[derive(Subcommand)]
 enum Chore {
     /// Count the instructions of every tick of a scene's job, under QEMU
-    Insns(insns::InsnsArgs),
+    Insns(budget::Options),
     /// Count the instructions of the admission of every move of a scene's job, under QEMU
     Admission(budget::Options),
     /// Count the instructions of a plan of 100 cells, under QEMU
@@ -84,7 +84,7 @@ enum Chore {
 
 fn main() -> anyhow::Result<()> {
     match Arguments::parse().chore {
-        Chore::Insns(arguments) => insns::run(&arguments),
+        Chore::Insns(options) => insns::run(&options),
         Chore::Admission(options) => admission::run(&options),
         Chore::Planning(options) => planning::run(&options),
         Chore::Cycles(options) => cycles::run(&options),

@@ -8,7 +8,6 @@
 use crate::boards::{FIRMWARE_MEMORY, FIRMWARE_TARGET, RP2040_MEMORY};
 use crate::budget::{BudgetRow, Ceiling, Options, hold_ceilings};
 use crate::callgraph;
-use crate::cores::CORES;
 use crate::elf::{Footprint, check_boot, footprint, with_elf};
 use crate::image::Image;
 use crate::parallel;
@@ -49,18 +48,25 @@ pub(crate) fn run(options: &Options) -> Result<()> {
         let scene = Scene::read(&file.path)?;
         scenes.push((file, scene));
     }
+    let cores = options.cores()?;
+    let targets: Vec<_> = cores.iter().map(|core| core.target).collect();
     // The code of one image is walked through while the next ones are built.
     let rows = parallel::map(parallel::workers(), &scenes, |(file, scene)| {
-        measure(file, scene, &options.scalars(scene))
+        measure(&targets, file, scene, &options.scalars(scene))
     })?;
     let rows: Vec<SizeRow> = rows.into_iter().flatten().collect();
     options.print(&rows)?;
     hold_order(&rows)?;
     hold_ceilings(&rows, &CEILINGS)?;
-    options.settle("size", rows, true)
+    options.settle("size", rows)
 }
 
-fn measure(scene: &SceneFile, read: &Scene, scalars: &[&'static str]) -> Result<Vec<SizeRow>> {
+fn measure(
+    targets: &[&'static str],
+    scene: &SceneFile,
+    read: &Scene,
+    scalars: &[&'static str],
+) -> Result<Vec<SizeRow>> {
     let mut rows = Vec::new();
     let row = |image: &str, scalar: &str, target: &str, Footprint { flash, ram }| SizeRow {
         image: image.into(),
@@ -72,9 +78,8 @@ fn measure(scene: &SceneFile, read: &Scene, scalars: &[&'static str]) -> Result<
         stack: None,
     };
     for &scalar in scalars {
-        let targets: Vec<_> = CORES.iter().map(|core| core.target).collect();
         let image = Image::insns("bare", scene, scalar, FIRMWARE_TARGET);
-        for (target, built) in targets.iter().zip(image.build_for(&targets)?) {
+        for (target, built) in targets.iter().zip(image.build_for(targets)?) {
             rows.push(row(
                 "core",
                 scalar,
