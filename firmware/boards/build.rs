@@ -54,6 +54,8 @@ fn link() -> Result<(), Box<dyn Error>> {
     let script = match own.exists() {
         true => {
             println!("cargo:rerun-if-changed={}", own.display());
+            // `main` is in RAM, out of reach of the branch to it: the board's crate leads there.
+            println!("cargo:rustc-link-arg-bins=--wrap=main");
             own.display().to_string()
         }
         false => {

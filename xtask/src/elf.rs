@@ -6,6 +6,7 @@ use object::elf::{PT_LOAD, SHF_ALLOC, SHF_WRITE, SHT_NOBITS};
 use object::read::elf::{ElfFile32, ProgramHeader, SectionHeader};
 use object::{Endianness, Object, ObjectSection};
 use std::fs;
+use std::ops::Range;
 use std::path::Path;
 
 /// Memory that an image takes, bytes. The stack is not part of it.
@@ -13,7 +14,7 @@ use std::path::Path;
 pub(crate) struct Footprint {
     /// Code, constants and the initial values of variables.
     pub(crate) flash: u64,
-    /// Variables.
+    /// Variables, and code that runs from RAM.
     pub(crate) ram: u64,
 }
 
@@ -28,6 +29,9 @@ pub(crate) fn with_elf<T>(file: &Path, read: impl FnOnce(&Elf) -> Result<T>) -> 
     parsed().with_context(|| file.display().to_string())
 }
 
+/// Addresses at which a Cortex-M has its RAM.
+const SRAM: Range<u64> = 0x2000_0000..0x4000_0000;
+
 /// The footprint of an image.
 pub(crate) fn footprint(elf: &Elf) -> Footprint {
     let mut footprint = Footprint { flash: 0, ram: 0 };
@@ -40,7 +44,8 @@ pub(crate) fn footprint(elf: &Elf) -> Footprint {
         if header.sh_type(Endianness::Little) != SHT_NOBITS {
             footprint.flash += section.size();
         }
-        if flags.contains(SHF_WRITE) {
+        // Code that is copied to RAM takes both.
+        if flags.contains(SHF_WRITE) || SRAM.contains(&section.address()) {
             footprint.ram += section.size();
         }
     }

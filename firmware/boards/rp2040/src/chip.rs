@@ -14,6 +14,24 @@ trirrr_app::failure_handlers!(Rp2040);
 #[used]
 static BOOT2: [u8; 256] = rp2040_boot2::BOOT_LOADER_W25Q080;
 
+// What runs from flash beside cortex-m-rt's Reset. Before the copy to RAM there is nothing to do; cortex-m-rt's own function for that lies
+// where the copy goes to. The branch of Reset to `main` does not reach from flash to RAM: `rp2040.x` and the linker's --wrap lead it here.
+core::arch::global_asm!(
+    ".section .Reset, \"ax\"",
+    ".global __pre_init",
+    ".type __pre_init, %function",
+    ".thumb_func",
+    "__pre_init: bx lr",
+    ".size __pre_init, . - __pre_init",
+    ".global __wrap_main",
+    ".type __wrap_main, %function",
+    ".thumb_func",
+    "__wrap_main: ldr r0, =__real_main",
+    "bx r0",
+    ".pool",
+    ".size __wrap_main, . - __wrap_main",
+);
+
 /// The microcontroller.
 struct Rp2040;
 
