@@ -55,7 +55,7 @@ enum Chore {
     /// Measure flash and RAM: the tick alone on every target, and the firmware
     Size(budget::Options),
     /// Build the firmware for the RP2040, check that it can boot, print its size
-    Rp2040,
+    Rp2040(rp2040::Rp2040Args),
     /// Boot the firmware in QEMU, play jobs on it with every client, compare every sample
     Emulate(emulate::EmulateArgs),
     /// Execute the firmware with a model of its registers, check pins and times of drives and tool
@@ -90,7 +90,7 @@ fn main() -> anyhow::Result<()> {
         Chore::Cycles(options) => cycles::run(&options),
         Chore::Footprints(arguments) => footprints::run(&arguments),
         Chore::Size(options) => size::run(&options),
-        Chore::Rp2040 => rp2040::run(),
+        Chore::Rp2040(arguments) => rp2040::run(&arguments),
         Chore::Emulate(arguments) => emulate::run(&arguments),
         Chore::Bench(arguments) => bench::run(&arguments),
         Chore::Client => client::run(),

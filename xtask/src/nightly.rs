@@ -200,6 +200,7 @@ fn steps() -> Result<Vec<Step>> {
             ],
         ),
         Step::chore("pins of flashed images", &["bench"])?,
+        Step::chore("pins of the RP2040's image", &["rp2040", "--run"])?,
         Step::cargo(
             "the study of integrators",
             &[

@@ -1,0 +1,223 @@
+#!/usr/bin/env node
+// Executes the flashed image of the RP2040 on rp2040js, plays its job by `trirrr stream`, and checks its pins.
+//
+// Arguments: the folder with `node_modules/rp2040js`, and a file of settings that `cargo xtask rp2040 --run` writes. Prints a line for each
+// figure; ends with 1 at the first that is out of bounds.
+"use strict";
+
+const { spawn } = require("node:child_process");
+const fs = require("node:fs");
+const net = require("node:net");
+const path = require("node:path");
+const { Board } = require("./board.js");
+
+const [folder, settingsFile] = process.argv.slice(2);
+const library = require(path.join(path.resolve(folder), "node_modules", "rp2040js"));
+const settings = JSON.parse(fs.readFileSync(settingsFile, "utf8"));
+const MS = 1e6;
+// IO_BANK0 and PADS_BANK0 in RESETS.
+const PORTS = (1 << 5) | (1 << 8);
+// All parts that the watchdog resets, but both oscillators, in PSM_WDSEL.
+const PARTS = 0x1fffc;
+
+function figure(name, measured, bound, holds) {
+  console.log(`${name.padEnd(72)} ${String(measured).padStart(12)}   ${bound}`);
+  if (!holds) {
+    console.error(`rp2040: ${name}: ${measured}, asked ${bound}`);
+    process.exit(1);
+  }
+}
+
+const outputs = () => [
+  ...settings.step.map((pin, index) => ({ name: `step ${index + 1}`, pin, on: true })),
+  { name: "enable", pin: settings.enable, on: settings.enableHigh },
+  { name: "tool", pin: settings.tool, on: settings.toolHigh },
+];
+
+/** Outputs that were on in any of the board's edges. */
+function everOn(board) {
+  const on = ({ pin, on }) => board.edges[pin].some((edge) => edge.level === on);
+  return outputs().filter(on).map(({ name }) => name);
+}
+
+function powerUp() {
+  const board = new Board(library, settings.image);
+  board.run(200 * MS);
+  const on = everOn(board);
+  figure("power-up: outputs that were on within 200 ms, without a host", on.join(", ") || "none", "none", !on.length);
+  figure("power-up: bytes in the log", board.logged, "> 0", board.logged > 0);
+  const baud = board.rp.uart[0].baudRate;
+  figure("line: baud rate", baud, "921600 ± 1 %", Math.abs(baud / 921_600 - 1) <= 0.01);
+}
+
+/** Plays the job by the program. The board goes on until the program ends, or `until` says so. */
+function play(image, out, until) {
+  const board = new Board(library, image);
+  return new Promise((resolve) => {
+    let said = "";
+    let over = false;
+    const finish = (code) => {
+      over = true;
+      server.close();
+      resolve({ board, code, said });
+    };
+    const server = net.createServer((socket) => {
+      socket.setNoDelay(true);
+      socket.on("data", (bytes) => board.toBoard.push(...bytes));
+      socket.on("error", () => {});
+      board.onByte = (byte) => socket.write(Buffer.of(byte));
+    });
+    server.listen(0, "127.0.0.1", () => {
+      const port = `tcp:127.0.0.1:${server.address().port}`;
+      const client = spawn(settings.trirrr, ["stream", settings.scene, "--port", port, "--out", out]);
+      client.stdout.on("data", (text) => (said += text));
+      client.stderr.on("data", (text) => (said += text));
+      client.on("exit", finish);
+      const step = () => {
+        if (over) return;
+        board.run(MS);
+        if (board.resetNs !== undefined || until?.(board)) {
+          client.removeListener("exit", finish);
+          client.kill();
+          finish(null);
+          return;
+        }
+        setImmediate(step);
+      };
+      step();
+    });
+  });
+}
+
+/** Rows of the table that the program has written: columns by name. */
+function table(file) {
+  const [names, ...rows] = fs.readFileSync(file, "utf8").trim().split("\n").map((row) => row.split(","));
+  return rows.map((row) => Object.fromEntries(row.map((cell, index) => [names[index], Number(cell)])));
+}
+
+/** Pulses of a motor: time, and +1 or -1 by the level of the direction. */
+function pulses(board, motor) {
+  const directions = board.edges[settings.direction[motor]];
+  const forward = !settings.reversed[motor];
+  let next = 0;
+  let level;
+  return board.edges[settings.step[motor]]
+    .filter((edge) => edge.level === true)
+    .map(({ ns }) => {
+      while (directions[next]?.ns <= ns) level = directions[next++].level;
+      return { ns, by: level === forward ? 1 : -1 };
+    });
+}
+
+/** Shortest times of high, low, and of the direction before and behind a step, in us. */
+function shortest(board, motor) {
+  const steps = board.edges[settings.step[motor]].filter((edge) => edge.level !== undefined);
+  const directions = board.edges[settings.direction[motor]];
+  const widths = steps.slice(1).map((edge, index) => [steps[index].level, (edge.ns - steps[index].ns) / 1e3]);
+  const least = (level) => Math.min(...widths.filter(([of]) => of === level).map(([, us]) => us));
+  const rises = steps.filter((edge) => edge.level).map((edge) => edge.ns);
+  let [setup, hold] = [Infinity, Infinity];
+  for (const { ns } of directions) {
+    const after = rises.find((rise) => rise >= ns);
+    const before = rises.findLast((rise) => rise < ns);
+    if (after !== undefined) setup = Math.min(setup, (after - ns) / 1e3);
+    if (before !== undefined) hold = Math.min(hold, (ns - before) / 1e3);
+  }
+  return [
+    ["step high", least(true)],
+    ["step low", least(false)],
+    ["direction before a step", setup],
+    ["direction behind a step", hold],
+  ];
+}
+
+/** The greatest distance of a motor's position at the ticks from its angle, in microsteps, where the job begins at `from` ns. */
+function farthest(rows, moved, motor, from) {
+  const angle = (row) => row[`th1_${motor + 1}`] * settings.microstepsPerRad[motor];
+  const origin = angle(rows[0]);
+  let [next, position, worst] = [0, 0, 0];
+  rows.forEach((row, tick) => {
+    // The motors reach the angles of a tick at the next one.
+    const at = from + (tick + 1) * settings.tickS * 1e9;
+    while (moved[next]?.ns <= at) position += moved[next++].by;
+    worst = Math.max(worst, Math.abs(position - (angle(row) - origin)));
+  });
+  return worst;
+}
+
+function checkMotion(board, rows) {
+  const moved = [0, 1, 2].map((motor) => pulses(board, motor));
+  const first = Math.min(...moved.map(([pulse]) => pulse?.ns ?? Infinity));
+  const tickNs = settings.tickS * 1e9;
+  // The line between board and program does not say when a tick was: the beginning of the job that fits best, in tenths of a tick.
+  const beginnings = Array.from({ length: 400 }, (_, index) => first - index * 0.1 * tickNs);
+  const worst = (from) => Math.max(...moved.map((of, motor) => farthest(rows, of, motor, from)));
+  const best = beginnings.map(worst).reduce((least, one) => Math.min(least, one));
+  figure("job: a motor off its angle at any tick by at most, microsteps", best.toFixed(2), "≤ 1", best <= 1);
+  moved.forEach((of, motor) => {
+    const angle = (row) => row[`th1_${motor + 1}`] * settings.microstepsPerRad[motor];
+    const asked = Math.max(...rows.map(angle)) - Math.min(...rows.map(angle));
+    figure(`job: motor ${motor + 1}: pulses, against the microsteps between its extremes`, of.length, `≥ ${Math.floor(asked) - 1}`, of.length >= asked - 2);
+    for (const [name, us] of shortest(board, motor)) {
+      figure(`job: motor ${motor + 1}: ${name}, shortest, µs`, us.toFixed(2), `≥ ${settings.leastUs.toFixed(2)}`, us >= settings.leastUs);
+    }
+  });
+  const enabled = board.edges[settings.enable].find((edge) => edge.level === settings.enableHigh)?.ns;
+  figure("job: enable before the first step, ms", ((first - enabled) / MS).toFixed(2), "≥ 0", first >= enabled);
+}
+
+function checkTool(board, rows) {
+  const changes = rows.slice(1).filter((row, index) => row.tool > 0 !== rows[index].tool > 0).length;
+  const edges = board.edges[settings.tool].filter((edge) => edge.level !== undefined).slice(1);
+  figure("job: changes of the tool's pin, against those of its power", edges.length, changes, edges.length === changes);
+}
+
+async function job() {
+  const out = path.join(folder, "streamed");
+  fs.rmSync(out, { recursive: true, force: true });
+  const { board, code, said } = await play(settings.image, out);
+  if (code !== 0) {
+    console.error(said);
+  }
+  const rows = code === 0 ? table(path.join(out, "ticks.csv")) : [];
+  figure("job: ticks in the table of trirrr stream", rows.length, settings.ticks, rows.length === settings.ticks);
+  checkMotion(board, rows);
+  checkTool(board, rows);
+  const longest = /longest took ([0-9.]+)/.exec(said)?.[1];
+  figure("job: longest tick, µs", longest, `< ${settings.tickS * 1e6}`, longest < settings.tickS * 1e6);
+}
+
+/** Hangs the tick in mid-move: no interrupt comes any more. */
+async function hang() {
+  let hungNs;
+  const moving = (board) => {
+    if (hungNs === undefined && board.edges[settings.step[0]].length > 100) {
+      hungNs = board.ns;
+      board.rp.core.enabledInterrupts = 0;
+      board.rp.core.pendingSystick = false;
+      board.rp.ppb.systickTimer.enable = false;
+    }
+    return hungNs !== undefined && board.ns > hungNs + 1e9;
+  };
+  const { board } = await play(settings.image, path.join(folder, "hung"), moving);
+  const after = ((board.resetNs ?? Infinity) - hungNs) / MS;
+  const bound = settings.watchdogS * 1e3 + 2 * settings.tickS * 1e3;
+  figure("hung tick: the watchdog resets the chip after, ms", after.toFixed(1), `≤ ${bound}`, after <= bound);
+  const reset = board.resetParts & PARTS;
+  figure("hung tick: parts of the chip that it resets", `0x${reset.toString(16)}`, "all but the oscillators", reset === PARTS);
+}
+
+/** An image that panics in its 50th tick. */
+async function panic() {
+  const board = new Board(library, settings.panicking);
+  board.run(1000 * MS);
+  figure("panic: the chip is reset after its start, ms", ((board.resetNs ?? Infinity) / MS).toFixed(1), "≤ 1000", board.resetNs !== undefined);
+  figure("panic: ports in reset before that", (board.inReset & PORTS) === PORTS, "true", (board.inReset & PORTS) === PORTS);
+}
+
+(async () => {
+  powerUp();
+  await job();
+  await hang();
+  await panic();
+})();

@@ -1,0 +1,104 @@
+// A Raspberry Pi Pico with a flashed image, on rp2040js: pins with their edges, the line, and time in nanoseconds.
+"use strict";
+
+const fs = require("node:fs");
+
+const FLASH = 0x1000_0000;
+// Behind the second stage, which only sets up a real flash.
+const VECTORS = FLASH + 0x100;
+const CYCLE_NS = 8;
+const LOADED = 1; // PT_LOAD
+// At 921,600 baud, 10 bits.
+const BYTE_NS = 10_851;
+const WATCHDOG = 0x40058;
+const RESETS = 0x4000c;
+const PSM = 0x40010;
+
+class Board {
+  /** @param library rp2040js  @param image path of the ELF */
+  constructor(library, image) {
+    this.rp = new library.RP2040();
+    // Of registers that rp2040js has not, the image needs none.
+    this.rp.logger = { debug() {}, info() {}, warn() {}, error() {} };
+    this.states = library.GPIOPinState;
+    const elf = fs.readFileSync(image);
+    for (const { offset, address, length } of segments(elf)) {
+      this.rp.flash.set(elf.subarray(offset, offset + length), address - FLASH);
+    }
+    const { core } = this.rp;
+    // rp2040js leaves bit 0 of a vector in the program counter, and then takes wrong ways through tables of jumps.
+    const enter = core.exceptionEntry.bind(core);
+    core.exceptionEntry = (number) => {
+      enter(number);
+      core.PC &= ~1;
+    };
+    core.VTOR = VECTORS;
+    core.SP = this.rp.readUint32(VECTORS);
+    core.PC = this.rp.readUint32(VECTORS + 4) & ~1;
+    this.edges = this.rp.gpio.map(() => []);
+    this.rp.gpio.forEach((pin, index) =>
+      pin.addListener((state) => this.edges[index].push({ ns: this.ns, level: this.level(state) })),
+    );
+    this.toBoard = [];
+    this.nextByte = 0;
+    this.onByte = () => {};
+    this.rp.uart[0].onByte = (byte) => this.onByte(byte);
+    this.logged = 0;
+    this.rp.uart[1].onByte = () => this.logged++;
+    /** Time at which the watchdog has reset the chip, if it has. */
+    this.resetNs = undefined;
+    this.watchdog.onWatchdogTrigger = () => (this.resetNs ??= this.ns);
+  }
+
+  get ns() {
+    return this.rp.clock.nanos;
+  }
+
+  get watchdog() {
+    return this.rp.peripherals[WATCHDOG];
+  }
+
+  /** Blocks that the image holds in reset: bits of RESETS. */
+  get inReset() {
+    return this.rp.peripherals[RESETS].reset;
+  }
+
+  /** Parts of the chip that the watchdog resets: bits of PSM_WDSEL. */
+  get resetParts() {
+    return this.rp.peripherals[PSM].wdsel;
+  }
+
+  /** Level that a pin drives: true, false, or undefined where it floats. */
+  level(state) {
+    return { [this.states.High]: true, [this.states.Low]: false }[state];
+  }
+
+  /** Runs the board for so long, or until the watchdog resets it. */
+  run(ns) {
+    const { rp } = this;
+    const end = this.ns + ns;
+    while (this.ns < end && this.resetNs === undefined) {
+      if (this.toBoard.length && this.ns >= this.nextByte) {
+        rp.uart[0].feedByte(this.toBoard.shift());
+        this.nextByte = this.ns + BYTE_NS;
+      }
+      rp.clock.tick(rp.core.executeInstruction() * CYCLE_NS);
+    }
+  }
+}
+
+/** Parts of an ELF that are loaded: place in the file, address in flash, length. */
+function segments(elf) {
+  const [at, size, count] = [elf.readUInt32LE(28), elf.readUInt16LE(42), elf.readUInt16LE(44)];
+  const headers = Array.from({ length: count }, (_, index) => at + index * size);
+  return headers
+    .filter((header) => elf.readUInt32LE(header) === LOADED)
+    .map((header) => ({
+      offset: elf.readUInt32LE(header + 4),
+      address: elf.readUInt32LE(header + 12),
+      length: elf.readUInt32LE(header + 16),
+    }))
+    .filter(({ length }) => length > 0);
+}
+
+module.exports = { Board };
