@@ -6,10 +6,11 @@ use std::path::Path;
 use std::process;
 
 /// Boards: package, Rust target, and linker script.
-const BOARDS: [(&str, &str, &str); 2] = [
-    // From cortex-m-rt. It includes `memory.x`, which the linker finds in the root of the workspace.
+const BOARDS: [(&str, &str, &str); 3] = [
+    // From cortex-m-rt. It includes `memory.x`, which the linker finds in the folder of the package.
     ("trirrr-stm32f405", "thumbv7em-none-eabihf", "link.x"),
-    // A whole one of its own: any `memory.x` would be that of the root.
+    // A whole one of its own: cortex-m-rt has none for its second stage.
+    ("trirrr-stm32g474", "thumbv7em-none-eabihf", "link.x"),
     ("trirrr-rp2040", "thumbv6m-none-eabi", "rp2040.x"),
 ];
 
@@ -57,7 +58,8 @@ fn link() -> Result<(), Box<dyn Error>> {
             own.display().to_string()
         }
         false => {
-            println!("cargo:rerun-if-changed={here}/../../../memory.x");
+            println!("cargo:rerun-if-changed={here}/memory.x");
+            println!("cargo:rustc-link-search={here}");
             (*script).to_owned()
         }
     };

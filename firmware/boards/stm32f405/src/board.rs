@@ -3,7 +3,8 @@
 // The names of all pins; the functions take those of their scene.
 #![allow(dead_code, unused_imports)]
 
-use crate::pins::{AnyInput, AnyOutput, Inverted, PortInput, PortOutput, Ports};
+use crate::parts::Ports;
+use crate::pins::{AnyInput, AnyOutput, Inverted, PortInput, PortOutput};
 use trirrr_app::pins::NoPin;
 
 /// Names the interrupt of the line's port `LINE`: a task is bound to an interrupt by its name alone.

@@ -5,6 +5,7 @@
 //! until a drive has acknowledged it. Frames come in from the drives alone: a filter for each of them keeps others out.
 #![allow(unsafe_code)]
 
+use crate::clock::Clocks;
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::interrupt::{Mutex, free};
@@ -13,6 +14,8 @@ use embedded_can::{ErrorKind, Id, StandardId};
 use heapless::spsc::{Consumer, Producer};
 use stm32f4xx_hal::pac::{CAN1, Interrupt, interrupt};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
+use trirrr_app::scene::drive::BIT_RATE_HZ;
+pub(crate) use trirrr_drives::can::ClassicFrame as BusFrame;
 use trirrr_drives::can::{BitTiming, Bus, ClassicFrame};
 
 /// Frames that were lost: the interrupt came too late, or the queue was full. The interrupt alone adds.
@@ -46,6 +49,11 @@ impl embedded_can::Error for Off {
 const READS: u32 = 10_000;
 
 impl Controller {
+    /// Timing of the scene's bits, none if the clock is no multiple of their rate.
+    pub(super) fn timing(clocks: &Clocks) -> Option<BitTiming> {
+        BitTiming::new(clocks.apb1, BIT_RATE_HZ)
+    }
+
     /// Starts the controller with this bit timing, or fails without one. It takes frames whose identifiers are those of
     /// `filters` in the bits that count. The controller takes part once the bus has been idle.
     pub(super) fn start(

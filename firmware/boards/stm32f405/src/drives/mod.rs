@@ -12,12 +12,15 @@
 #[cfg(drive = "bldc")]
 mod bldc;
 #[cfg(any(drive = "odrive", drive = "mit"))]
+#[path = "../../../stm32/drives/can.rs"]
 mod can;
 #[cfg(any(drive = "odrive", drive = "mit"))]
 mod controller;
 #[cfg(drive = "none")]
+#[path = "../../../stm32/drives/none.rs"]
 mod none;
 #[cfg(drive = "stepper")]
+#[path = "../../../stm32/drives/stepper.rs"]
 mod stepper;
 
 #[cfg(drive = "bldc")]
@@ -39,7 +42,7 @@ compile_error!(
 
 use crate::board::DrivePins;
 use crate::clock::Clocks;
-use stm32f4xx_hal::pac::{CAN1, TIM1, TIM3, TIM4, TIM5, TIM7};
+use crate::parts::DrivePeripherals;
 use trirrr_app::inputs::Angle;
 #[cfg(feedback)]
 use trirrr_protocol::message::Clock;
@@ -50,12 +53,7 @@ use trirrr_protocol::message::Clock;
 pub(super) struct DriveParts {
     /// Pins of the kind of drive.
     pub(super) pins: DrivePins,
-    pub(super) tim1: TIM1,
-    pub(super) tim3: TIM3,
-    pub(super) tim4: TIM4,
-    pub(super) tim5: TIM5,
-    pub(super) tim7: TIM7,
-    pub(super) can1: CAN1,
+    pub(super) peripherals: DrivePeripherals,
     /// Rates of the clocks.
     pub(super) clocks: Clocks,
     /// Source of the clocks.
