@@ -19,6 +19,8 @@ mod controller;
 #[cfg(drive = "none")]
 #[path = "../../../stm32/drives/none.rs"]
 mod none;
+#[path = "../../../stm32/drives/parts.rs"]
+mod parts;
 #[cfg(drive = "stepper")]
 #[path = "../../../stm32/drives/stepper.rs"]
 mod stepper;
@@ -27,6 +29,7 @@ mod stepper;
 pub(super) use bldc::{BldcDrives as Drives, SampleTimer as DriveTimer, build};
 #[cfg(any(drive = "odrive", drive = "mit"))]
 pub(super) use can::{BusDrives as Drives, Inbox, build, report};
+pub(super) use parts::DriveParts;
 #[cfg(drive = "stepper")]
 pub(super) use stepper::{CheckedSteppers as Drives, SlotTimer as DriveTimer, build};
 #[cfg(not(any(drive = "stepper", drive = "bldc")))]
@@ -39,29 +42,3 @@ compile_error!(
     "drive.protocol = \"moteus\": its frames take CAN FD, and the controllers of the STM32F405 are \
      of classic CAN"
 );
-
-use crate::board::DrivePins;
-use crate::clock::Clocks;
-use crate::parts::DrivePeripherals;
-use trirrr_app::inputs::Angle;
-#[cfg(feedback)]
-use trirrr_protocol::message::Clock;
-
-/// Parts of the board for drives.
-// Each kind of drive takes some of them.
-#[allow(dead_code)]
-pub(super) struct DriveParts {
-    /// Pins of the kind of drive.
-    pub(super) pins: DrivePins,
-    pub(super) peripherals: DrivePeripherals,
-    /// Rates of the clocks.
-    pub(super) clocks: Clocks,
-    /// Source of the clocks.
-    #[cfg(feedback)]
-    pub(super) clock: Clock,
-    /// Queue of the frames that came in.
-    #[cfg(any(drive = "odrive", drive = "mit"))]
-    pub(super) inbox: &'static mut Inbox,
-    /// Joint angles at the start.
-    pub(super) angles: [Angle; 3],
-}

@@ -1,0 +1,93 @@
+//! Parts of the chip, as the program takes them.
+
+use crate::board::device::Peripherals;
+use crate::clock::{self, Clocks};
+use crate::timers::ToolCounter;
+use crate::watchdog::StoppedWatchdog;
+pub(crate) use crate::watchdog::Watchdog;
+use stm32_metapac::rcc::vals::Fdcansel;
+use stm32_metapac::{DBGMCU, RCC};
+use trirrr_app::cause;
+use trirrr_protocol::message::{Clock, Start};
+
+/// The chip after its start.
+pub(crate) struct Parts {
+    /// Cause of the start.
+    pub(crate) start: Start,
+    pub(crate) clock: Clock,
+    pub(crate) clocks: Clocks,
+    pub(crate) rcc: Rcc,
+    pub(crate) ports: Ports,
+    pub(crate) drives: DrivePeripherals,
+    // An image without a tool leaves it alone.
+    #[allow(dead_code)]
+    pub(crate) tool: ToolCounter,
+    pub(crate) watchdog: StoppedWatchdog,
+}
+
+/// Clocks of peripherals: all on from the start.
+pub(crate) struct Rcc;
+
+/// The ports, of which [`Pins`](crate::board::Pins) takes those of the board file.
+pub(crate) struct Ports;
+
+impl Ports {
+    /// Switches the port of this letter on.
+    pub(crate) fn switch_on(&self, port: char, _: &mut Rcc) {
+        RCC.ahb2enr()
+            .modify(|w| w.0 |= 1 << (port as u32 - 'A' as u32));
+    }
+}
+
+/// Peripherals for drives.
+// Each kind of drive takes some of them.
+#[allow(dead_code)]
+pub(crate) struct DrivePeripherals {
+    pub(crate) slots: crate::timers::SlotRegisters,
+    pub(crate) can: stm32_metapac::can::Fdcan,
+}
+
+/// Starts the clocks and hands out the rest.
+pub(crate) fn start(_: Peripherals) -> Parts {
+    let start = cause_of_start();
+    RCC.apb1enr1().modify(|w| {
+        w.set_pwren(true);
+        w.set_tim2en(true);
+        w.set_tim7en(true);
+        w.set_usart2en(true);
+        w.set_usart3en(true);
+        w.set_fdcanen(true);
+    });
+    RCC.apb2enr().modify(|w| w.set_usart1en(true));
+    RCC.ccipr().modify(|w| w.set_fdcansel(Fdcansel::PCLK1));
+    // A debugger that holds the core holds the watchdog, too.
+    DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
+    let (clock, clocks) = clock::start();
+    Parts {
+        start,
+        clock,
+        clocks,
+        rcc: Rcc,
+        ports: Ports,
+        drives: DrivePeripherals {
+            slots: stm32_metapac::TIM7,
+            can: stm32_metapac::FDCAN1,
+        },
+        tool: stm32_metapac::TIM2,
+        watchdog: StoppedWatchdog(stm32_metapac::IWDG),
+    }
+}
+
+/// Combines the cause that the run before has kept with the flags of the reset, and clears both.
+fn cause_of_start() -> Start {
+    let flags = RCC.csr().read();
+    RCC.csr().modify(|w| w.set_rmvf(true));
+    let kept = cause::take();
+    // After power-on the RAM is noise, whatever it seems to hold.
+    match (flags.borrstf(), kept, flags.iwdgrstf()) {
+        (true, _, _) => Start::Power,
+        (_, Some(start), _) => start,
+        (_, _, true) => Start::Watchdog,
+        _ => Start::Reset,
+    }
+}
