@@ -2,6 +2,7 @@
 //!
 //! | priority | interrupt | task |
 //! |---|---|---|
+//! | above all | NMI, PVD | the crystal has stopped, the supply sags: outputs off, start anew; in images with drives or a tool |
 //! | highest | CAN1_RX0 | a frame from a drive into its queue, in images for drives on the bus; not a task |
 //! | 4 | TIM7 | a slot of the step pulses, in images for steppers; a sample of the loops, in images for amplifiers |
 //! | 3 | LINE, that of the line's port | a byte from the line into its queue |
@@ -23,6 +24,8 @@ mod drives;
 mod interlocks;
 #[cfg(target_os = "none")]
 mod pins;
+#[cfg(all(target_os = "none", outputs))]
+mod protection;
 #[cfg(target_os = "none")]
 mod start;
 #[cfg(target_os = "none")]
@@ -97,7 +100,17 @@ mod app {
         } = context.local;
         let device = context.device;
         let start = start::cause(&device.RCC);
-        let (clock, clocks) = clock::start(&device.RCC, &device.FLASH, &device.DBGMCU);
+        #[cfg(outputs)]
+        super::protection::await_supply(&device.RCC, &device.PWR);
+        let (clock, clocks) = clock::start(
+            &device.RCC,
+            &device.FLASH,
+            &device.DBGMCU,
+            &device.TIM11,
+            &start,
+        );
+        #[cfg(outputs)]
+        super::protection::watch_supply(&device.EXTI);
         let period = match clock {
             Clock::Slow => const { period(SLOW.core) },
             _ => const { period(FAST.core) },
@@ -174,7 +187,8 @@ mod app {
         #[cfg(interlocks)]
         let inputs = interlocks::build(inputs, pins.stop, pins.door);
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
-        watchdog.stop_on_debug(&device.DBGMCU, true);
+        // Timers go on where a debugger holds the core: pulses of the tool, currents of the motors. The watchdog ends them.
+        watchdog.stop_on_debug(&device.DBGMCU, !cfg!(outputs));
         watchdog.start(WATCHDOG_MS.millis());
         let (received, bytes) = bytes.split();
         let clock = TickClock::start(context.core.SYST, period);
