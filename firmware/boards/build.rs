@@ -30,6 +30,12 @@ fn build() -> Result<(), Box<dyn Error>> {
         println!("cargo:rustc-check-cfg=cfg({name}, values({kinds}))");
         println!("cargo:rustc-cfg={name}={:?}", env::var(of_app)?);
     }
+    // Something that a failure has to switch off: drives or a tool.
+    println!("cargo:rustc-check-cfg=cfg(outputs)");
+    let has = |name: &str| env::var(name).is_ok_and(|kind| kind != "none");
+    if has("DEP_TRIRRR_APP_DRIVE") || has("DEP_TRIRRR_APP_TOOL") {
+        println!("cargo:rustc-cfg=outputs");
+    }
     for name in ["homing", "brake", "feedback", "interlocks", "estop", "door"] {
         println!("cargo:rustc-check-cfg=cfg({name})");
         if env::var_os(format!("DEP_TRIRRR_APP_{}", name.to_uppercase())).is_some() {

@@ -12,8 +12,15 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use trirrr_scene::{DriveKind, Scene};
 
-/// Scenes without names: a laser on steppers with an emergency stop, a longer job, drives with encoders, and no drives at all.
-const SCENES: [&str; 4] = ["inputs/guarded", "engraving", "bldc-massless", "thesis"];
+/// Scenes without names: a laser on steppers with an emergency stop, a longer job, drives with encoders, drives on a bus, and no
+/// drives at all.
+const SCENES: [&str; 5] = [
+    "inputs/guarded",
+    "engraving",
+    "bldc-massless",
+    "plant-odrive",
+    "thesis",
+];
 
 /// Number type of the images: the bench talks to them in it.
 const SCALAR: &str = "f32";

@@ -2,10 +2,12 @@
 //!
 //! `cargo xtask bench` builds the images and calls this program; `docs/bench.md` says what is checked and how exact it is.
 
+mod bus;
 mod cases;
 mod chip;
 mod cpu;
 mod host;
+mod rotors;
 mod time;
 mod trace;
 mod wiring;

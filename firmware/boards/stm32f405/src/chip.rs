@@ -8,7 +8,7 @@ use trirrr_app::failure::Chip;
 trirrr_app::failure_handlers!(Stm32f405);
 
 /// The microcontroller.
-struct Stm32f405;
+pub(crate) struct Stm32f405;
 
 impl Chip for Stm32f405 {
     /// As in `memory.x`.

@@ -30,6 +30,8 @@ mod pins;
 #[cfg(target_os = "none")]
 #[path = "../../stm32/program.rs"]
 mod program;
+#[cfg(all(target_os = "none", outputs))]
+mod protection;
 #[cfg(target_os = "none")]
 mod serial;
 #[cfg(target_os = "none")]

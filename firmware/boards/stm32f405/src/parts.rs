@@ -58,10 +58,11 @@ pub(crate) struct DrivePeripherals {
 pub(crate) struct StoppedWatchdog(IWDG, DBGMCU);
 
 impl StoppedWatchdog {
-    /// Starts the watchdog. A debugger that holds the core holds it, too.
+    /// Starts the watchdog.
     pub(crate) fn start(self) -> Watchdog {
         let mut watchdog = Watchdog::new(self.0);
-        watchdog.stop_on_debug(&self.1, true);
+        // Timers go on where a debugger holds the core: pulses of the tool, currents of the motors. The watchdog ends them.
+        watchdog.stop_on_debug(&self.1, !cfg!(outputs));
         watchdog.start(WATCHDOG_MS.millis());
         watchdog
     }
@@ -70,7 +71,17 @@ impl StoppedWatchdog {
 /// Starts the clocks and hands out the rest.
 pub(crate) fn start(device: Peripherals) -> Parts {
     let start = cause_of_start(&device.RCC);
-    let (clock, clocks) = clock::start(&device.RCC, &device.FLASH, &device.DBGMCU);
+    #[cfg(outputs)]
+    crate::protection::await_supply(&device.RCC, &device.PWR);
+    let (clock, clocks) = clock::start(
+        &device.RCC,
+        &device.FLASH,
+        &device.DBGMCU,
+        &device.TIM11,
+        &start,
+    );
+    #[cfg(outputs)]
+    crate::protection::watch_supply(&device.EXTI);
     Parts {
         start,
         clock,

@@ -60,8 +60,8 @@ pub(crate) fn start(_: Peripherals) -> Parts {
     });
     RCC.apb2enr().modify(|w| w.set_usart1en(true));
     RCC.ccipr().modify(|w| w.set_fdcansel(Fdcansel::PCLK1));
-    // A debugger that holds the core holds the watchdog, too.
-    DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(true));
+    // Timers go on where a debugger holds the core: pulses of the tool. The watchdog ends them.
+    DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(!cfg!(outputs)));
     let (clock, clocks) = clock::start();
     Parts {
         start,

@@ -1,6 +1,7 @@
 //! Cases of the bench: each runs the image on a board of its own and gives rows of figures with their bounds.
 
 mod amplifiers;
+mod can;
 mod failures;
 mod job;
 mod power_up;
@@ -47,6 +48,7 @@ pub(crate) enum Needs {
     Any,
     Steppers,
     Amplifiers,
+    Bus,
 }
 
 /// Case of the bench.
@@ -63,7 +65,7 @@ impl Case {
 }
 
 /// All cases.
-pub(crate) const CASES: [Case; 10] = [
+pub(crate) const CASES: [Case; 18] = [
     Case::of("power-up", Needs::Any, power_up::rest),
     Case::of("crystal", Needs::Any, power_up::crystal),
     Case::of("job", Needs::Steppers, job::run),
@@ -71,8 +73,16 @@ pub(crate) const CASES: [Case; 10] = [
     Case::of("panic", Needs::Steppers, failures::panic),
     Case::of("hard-fault", Needs::Steppers, failures::hard_fault),
     Case::of("watchdog", Needs::Steppers, failures::watchdog),
+    Case::of("clock", Needs::Steppers, failures::clock),
+    Case::of("supply", Needs::Steppers, failures::supply),
+    Case::of("halt", Needs::Steppers, failures::halt),
     Case::of("cable", Needs::Steppers, failures::cable),
-    Case::of("amplifiers", Needs::Amplifiers, amplifiers::blocked),
+    Case::of("amplifiers", Needs::Amplifiers, amplifiers::moving),
+    Case::of("blocked", Needs::Amplifiers, amplifiers::blocked),
+    Case::of("encoder", Needs::Amplifiers, amplifiers::broken_wire),
+    Case::of("can", Needs::Bus, can::job),
+    Case::of("bus-off", Needs::Bus, can::wire),
+    Case::of("drive", Needs::Bus, can::drive),
     Case::of("stop", Needs::Steppers, failures::stop),
 ];
 
@@ -88,6 +98,9 @@ impl Subject {
         oscillator_hz: u64,
     ) -> Result<Board> {
         let mut board = Board::switch_on(image, crystal, oscillator_hz)?;
+        if self.has(Needs::Bus) {
+            board.chip().bus = Some(crate::bus::of_scene(&self.scene)?);
+        }
         // Contacts to ground: released, and closed.
         for pin in [wiring::STOP, wiring::DOOR] {
             board.chip().drive(pin, Some(false));
@@ -112,6 +125,10 @@ impl Subject {
             Needs::Any => true,
             Needs::Steppers => matches!(kind, Some(DriveKind::Stepper(_))),
             Needs::Amplifiers => matches!(kind, Some(DriveKind::Bldc(_))),
+            // The loops of simulated drives take the gains of the scene.
+            Needs::Bus => {
+                matches!(kind, Some(DriveKind::Can(_))) && self.scene.controller.is_some()
+            }
         }
     }
 

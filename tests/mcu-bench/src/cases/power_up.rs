@@ -57,9 +57,20 @@ pub(super) fn rest(subject: &Subject) -> Result<Vec<Row>> {
 /// Clock and baud rate with the crystal, without, and with one that dies at speed.
 pub(super) fn crystal(subject: &Subject) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
-    let boots = [
+    let boots: [(&str, Crystal, &str); 5] = [
         ("crystal of 8 MHz", Crystal::Runs { mhz: 8 }, "Crystal"),
         ("crystal missing", Crystal::Missing, "Internal"),
+        (
+            "crystal of 12 MHz",
+            Crystal::Runs { mhz: 12 },
+            "WrongCrystal",
+        ),
+        ("crystal of 6 MHz", Crystal::Runs { mhz: 6 }, "WrongCrystal"),
+        (
+            "crystal of 26 MHz",
+            Crystal::Runs { mhz: 26 },
+            "WrongCrystal",
+        ),
     ];
     for (what, crystal, expected) in boots {
         let mut board = subject.switch_on_with(&subject.image, crystal, OSCILLATOR_HZ[0])?;
