@@ -17,6 +17,7 @@ mod house;
 mod image;
 mod insns;
 mod nightly;
+mod other_boards;
 mod packages;
 mod page;
 mod parallel;
@@ -25,7 +26,6 @@ mod programs;
 mod qemu;
 mod reference;
 mod repository;
-mod rp2040;
 mod senders;
 mod simulators;
 mod size;
@@ -56,6 +56,8 @@ enum Chore {
     Size(budget::Options),
     /// Build the firmware for the RP2040, check that it can boot, print its size
     Rp2040,
+    /// Build the firmware for the STM32G474, check that it can boot, print its size
+    G474,
     /// Boot the firmware in QEMU, play jobs on it with every client, compare every sample
     Emulate(emulate::EmulateArgs),
     /// Execute the firmware with a model of its registers, check pins and times of drives and tool
@@ -90,7 +92,8 @@ fn main() -> anyhow::Result<()> {
         Chore::Cycles(options) => cycles::run(&options),
         Chore::Footprints(arguments) => footprints::run(&arguments),
         Chore::Size(options) => size::run(&options),
-        Chore::Rp2040 => rp2040::run(),
+        Chore::Rp2040 => other_boards::rp2040(),
+        Chore::G474 => other_boards::g474(),
         Chore::Emulate(arguments) => emulate::run(&arguments),
         Chore::Bench(arguments) => bench::run(&arguments),
         Chore::Client => client::run(),

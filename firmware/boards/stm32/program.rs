@@ -8,8 +8,6 @@
 //! | 3 | LINE, that of the line's port | a byte from the line into its queue |
 //! | 2 | SysTick | the tick |
 //! | none | | the background |
-//!
-//! The package of each chip has modules of these names: `board`, `clock`, `drives`, `gpio`, `parts`, `serial`, `timers`.
 
 #[rtic::app(device = crate::board::device, peripherals = true)]
 mod app {

@@ -1,6 +1,6 @@
 //! Machine behind amplifiers and encoders: set values of PWM in, counts of the encoders out.
 
-use crate::time::{Time, seconds};
+use crate::time::{MICROSECOND, Time, seconds};
 use anyhow::{Context, Result, anyhow};
 use std::f64::consts::TAU;
 use trirrr_drives::bldc::{AmplifierParameters, torque_of};
@@ -8,7 +8,7 @@ use trirrr_plant::moved::MovedMachine;
 use trirrr_scene::Scene;
 
 /// Shortest time that the machine is moved on by: between registers that are written together nothing turns.
-const SHORTEST: Time = 1008;
+const SHORTEST: Time = MICROSECOND;
 
 pub(crate) struct Rotors {
     machine: MovedMachine,

@@ -221,7 +221,7 @@ fn word(start: *mut u32, first: usize) -> *mut u32 {
 /// The frame of FIFO 0 at word `first`, of which there are 54.
 #[inline(always)]
 fn received(first: usize) -> Option<BusFrame> {
-    let start = word(const { FDCANRAM1.rxfifo0(0).as_ptr() }, first);
+    let start = word(FDCANRAM1.rxfifo0(0).as_ptr(), first);
     // SAFETY: a word of the message RAM, whose places begin within 54 words and are 18 words long.
     let read = |at: usize| unsafe { word(start, at).read_volatile() };
     let (head, kind) = (read(0), read(1));
@@ -286,10 +286,7 @@ impl embedded_can::nb::Can for Controller {
             return Err(nb::Error::Other(Off));
         };
         let place = status.tfqpi().min(2);
-        let start = word(
-            const { FDCANRAM1.txbuf(0).as_ptr() },
-            usize::from(place) * PLACE,
-        );
+        let start = word(FDCANRAM1.txbuf(0).as_ptr(), usize::from(place) * PLACE);
         // SAFETY: a word of the message RAM, whose places begin within 54 words and are 18 words long; the controller reads
         // none of a place before it is asked to.
         let write = |at: usize, value: u32| unsafe { word(start, at).write_volatile(value) };

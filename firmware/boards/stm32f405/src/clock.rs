@@ -6,15 +6,9 @@
 //! corrects the dividers that follow from them.
 
 use crate::board;
+use crate::waits::{HSI_HZ, becomes};
 use stm32f4xx_hal::pac::{DBGMCU, FLASH, RCC, TIM11};
 use trirrr_protocol::message::{Clock, Start};
-
-/// The internal oscillator, Hz.
-const HSI_HZ: u32 = 16_000_000;
-
-/// Reads of a ready flag before the wait ends: 100 ms at 16 MHz and some 10 cycles each. A crystal takes a few
-/// ms, the PLL a third of one.
-const READS: u32 = 160_000;
 
 /// Settings of the PLL: the source is divided, then taken so many times.
 #[derive(Clone, Copy)]
@@ -140,8 +134,7 @@ fn is_right(rcc: &RCC, tim11: &TIM11) -> bool {
             first = at;
         }
         let counts = u32::from((at as u16).wrapping_sub(first as u16));
-        right = capture == CAPTURES
-            && (COUNTS * 91 / 100..=COUNTS * 1055 / 1000).contains(&counts);
+        right = capture == CAPTURES && (COUNTS * 91 / 100..=COUNTS * 1055 / 1000).contains(&counts);
     }
     tim11.cr1().reset();
     rcc.apb2enr().modify(|_, w| w.tim11en().clear_bit());
@@ -181,9 +174,4 @@ fn start_pll(rcc: &RCC, flash: &FLASH, crystal: bool) -> bool {
     // The switch to a locked PLL takes a few cycles.
     rcc.cfgr().modify(|_, w| w.sw().pll());
     true
-}
-
-/// Returns `true` once `is_so` does, `false` after [`READS`] calls.
-pub(super) fn becomes(is_so: impl Fn() -> bool) -> bool {
-    (0..READS).any(|_| is_so())
 }

@@ -1,7 +1,8 @@
 //! Parts of the chip, as the program takes them.
 
-use crate::clock::{self, Clocks};
-use crate::timers::ToolCounter;
+use crate::Parts;
+use crate::clock;
+pub(crate) use crate::timers::ToolCounter;
 use stm32f4xx_hal::pac::{
     CAN1, DBGMCU, GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, IWDG, Peripherals, RCC, TIM1, TIM3, TIM4,
     TIM5, TIM7, USART1, USART2, USART3, USART6,
@@ -10,21 +11,12 @@ use stm32f4xx_hal::prelude::*;
 pub(crate) use stm32f4xx_hal::rcc::Rcc;
 pub(crate) use stm32f4xx_hal::watchdog::IndependentWatchdog as Watchdog;
 use trirrr_app::{WATCHDOG_MS, cause};
-use trirrr_protocol::message::{Clock, Start};
+use trirrr_protocol::message::Start;
 
-/// The chip after its start.
-pub(crate) struct Parts {
-    /// Cause of the start.
-    pub(crate) start: Start,
-    pub(crate) clock: Clock,
-    pub(crate) clocks: Clocks,
-    pub(crate) rcc: Rcc,
-    pub(crate) ports: Ports,
-    pub(crate) drives: DrivePeripherals,
-    // An image without a tool leaves it alone.
-    #[allow(dead_code)]
-    pub(crate) tool: ToolCounter,
-    pub(crate) watchdog: StoppedWatchdog,
+/// The device as RTIC sees it.
+pub(crate) mod device {
+    pub(crate) use stm32f4xx_hal::pac::Interrupt::TIM7 as SLOTS;
+    pub(crate) use stm32f4xx_hal::pac::*;
 }
 
 /// The ports, of which [`Pins`](crate::board::Pins) takes those of the board file.

@@ -2,16 +2,11 @@
 //! dead crystal makes a slower or less exact board and not a dead one.
 
 use crate::board;
+use crate::waits::{HSI_HZ, becomes};
 use stm32_metapac::flash::vals::Latency;
 use stm32_metapac::rcc::vals::{Hpre, Pllm, Plln, Pllr, Pllsrc, Sw};
 use stm32_metapac::{FLASH, PWR, RCC};
 use trirrr_protocol::message::Clock;
-
-/// The internal oscillator, Hz.
-const HSI_HZ: u32 = 16_000_000;
-
-/// Reads of a ready flag before the wait ends: 100 ms at 16 MHz and some 10 cycles each.
-const READS: u32 = 160_000;
 
 /// Settings of the PLL: the source is divided, then taken so many times.
 #[derive(Clone, Copy)]
@@ -98,9 +93,4 @@ fn start_pll(crystal: bool) -> bool {
     cortex_m::asm::delay(FAST.core / 1_000_000);
     RCC.cfgr().modify(|w| w.set_hpre(Hpre::DIV1));
     true
-}
-
-/// Returns `true` once `is_so` does, `false` after [`READS`] calls.
-fn becomes(is_so: impl Fn() -> bool) -> bool {
-    (0..READS).any(|_| is_so())
 }

@@ -1,50 +1,20 @@
-//! STM32G474: an image of the program that the STM32s share (`firmware/boards/stm32`).
+//! STM32G474: an image of the program that the STM32s share.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[cfg(target_os = "none")]
-mod board;
 #[cfg(target_os = "none")]
 mod chip;
 #[cfg(target_os = "none")]
 mod clock;
 #[cfg(target_os = "none")]
-#[path = "../../stm32/counts.rs"]
-mod counts;
-#[cfg(target_os = "none")]
-mod drives;
-#[cfg(target_os = "none")]
-#[path = "../../stm32/fault_status.rs"]
-mod fault_status;
-#[cfg(target_os = "none")]
-#[path = "../../stm32/metapac/gpio.rs"]
-mod gpio;
-#[cfg(all(target_os = "none", interlocks))]
-#[path = "../../stm32/interlocks.rs"]
-mod interlocks;
+#[path = "../../stm32/metapac/mod.rs"]
+mod metapac;
 #[cfg(target_os = "none")]
 mod parts;
 #[cfg(target_os = "none")]
-#[path = "../../stm32/pins.rs"]
-mod pins;
+#[path = "../../stm32/mod.rs"]
+mod stm32;
 #[cfg(target_os = "none")]
-#[path = "../../stm32/program.rs"]
-mod program;
-#[cfg(target_os = "none")]
-#[path = "../../stm32/metapac/serial.rs"]
-mod serial;
-#[cfg(target_os = "none")]
-#[path = "../../stm32/switches.rs"]
-mod switches;
-#[cfg(target_os = "none")]
-#[path = "../../stm32/metapac/timers.rs"]
-mod timers;
-#[cfg(all(target_os = "none", not(tool = "none")))]
-#[path = "../../stm32/tool.rs"]
-mod tool;
-
-#[cfg(target_os = "none")]
-#[path = "../../stm32/metapac/watchdog.rs"]
-mod watchdog;
+use {metapac::*, stm32::*};
 
 #[cfg(not(target_os = "none"))]
 fn main() {

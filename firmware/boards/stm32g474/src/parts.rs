@@ -1,29 +1,22 @@
 //! Parts of the chip, as the program takes them.
 
-use crate::board::device::Peripherals;
-use crate::clock::{self, Clocks};
-use crate::timers::ToolCounter;
-use crate::watchdog::StoppedWatchdog;
-pub(crate) use crate::watchdog::Watchdog;
+use crate::Parts;
+use crate::clock;
+pub(crate) use crate::timers::{SlotRegisters, ToolCounter};
+pub(crate) use crate::watchdog::{StoppedWatchdog, Watchdog};
 use stm32_metapac::rcc::vals::Fdcansel;
 use stm32_metapac::{DBGMCU, RCC};
 use trirrr_app::cause;
-use trirrr_protocol::message::{Clock, Start};
+use trirrr_protocol::message::Start;
 
-/// The chip after its start.
-pub(crate) struct Parts {
-    /// Cause of the start.
-    pub(crate) start: Start,
-    pub(crate) clock: Clock,
-    pub(crate) clocks: Clocks,
-    pub(crate) rcc: Rcc,
-    pub(crate) ports: Ports,
-    pub(crate) drives: DrivePeripherals,
-    // An image without a tool leaves it alone.
-    #[allow(dead_code)]
-    pub(crate) tool: ToolCounter,
-    pub(crate) watchdog: StoppedWatchdog,
+/// The device as RTIC sees it.
+pub(crate) mod device {
+    pub(crate) use crate::metapac::device::*;
+    pub(crate) use stm32_metapac::Interrupt::TIM7_DAC as SLOTS;
 }
+
+#[cfg(drive = "stepper")]
+crate::board::entry!(TIM7_DAC, TIM7);
 
 /// Clocks of peripherals: all on from the start.
 pub(crate) struct Rcc;
@@ -43,12 +36,12 @@ impl Ports {
 // Each kind of drive takes some of them.
 #[allow(dead_code)]
 pub(crate) struct DrivePeripherals {
-    pub(crate) slots: crate::timers::SlotRegisters,
+    pub(crate) slots: SlotRegisters,
     pub(crate) can: stm32_metapac::can::Fdcan,
 }
 
 /// Starts the clocks and hands out the rest.
-pub(crate) fn start(_: Peripherals) -> Parts {
+pub(crate) fn start(_: device::Peripherals) -> Parts {
     let start = cause_of_start();
     RCC.apb1enr1().modify(|w| {
         w.set_pwren(true);

@@ -18,6 +18,9 @@ const FIRST_TICK: u32 = 1;
 const SET_POSITION: u16 = 0x0C;
 const COMMAND_BITS: u16 = 5;
 
+/// Command of moteus with a position: the mode, and floats from the register of positions on.
+const MOVE: [u8; 5] = [0x01, 0x00, 0x0A, 0x0F, 0x20];
+
 /// Largest error of a position in a frame, rad at the joint: a float of some turns.
 const FRAME_ERROR_RAD: f64 = 1e-4;
 
@@ -55,8 +58,10 @@ pub(super) fn job(subject: &Subject) -> Result<Vec<Row>> {
     if let Some(broken) = bus(&mut board)?.broken() {
         rows.push(fact("can", "the machine", broken.to_owned(), "moves"));
     }
-    let is_odrive = of_protocol(&subject.scene, |protocol| protocol == CanProtocol::Odrive);
-    if is_odrive {
+    let tells_positions = of_protocol(&subject.scene, |protocol| {
+        matches!(protocol, CanProtocol::Odrive | CanProtocol::Moteus)
+    });
+    if tells_positions {
         rows.extend(frames(subject, &mut board, &host)?);
     }
     rows.extend(following(subject, &board, &host, &path)?);
@@ -79,8 +84,14 @@ fn of_protocol(scene: &Scene, is: impl Fn(CanProtocol) -> bool) -> bool {
 
 /// Returns the position of a frame that commands drive `node`, turns of its rotor.
 fn position(frame: &WireFrame, node: u32) -> Option<f64> {
-    let Id::Standard(id) = frame.id() else {
-        return None;
+    let id = match frame.id() {
+        Id::Standard(id) => id,
+        // moteus: from source 0, to be answered; five bytes, then three floats.
+        Id::Extended(id) => {
+            let moves = id.as_raw() == 0x8000 | node && frame.data().starts_with(&MOVE);
+            let bytes = frame.data().get(MOVE.len()..)?.first_chunk::<4>()?;
+            return moves.then(|| f32::from_le_bytes(*bytes).into());
+        }
     };
     let of = u32::from(id.as_raw() >> COMMAND_BITS) == node;
     let commands = id.as_raw() & ((1 << COMMAND_BITS) - 1) == SET_POSITION;

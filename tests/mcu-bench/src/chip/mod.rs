@@ -5,6 +5,8 @@
 mod bxcan;
 mod capture;
 mod clock;
+mod fdcan;
+mod g474;
 mod interrupts;
 mod port;
 mod serial;
@@ -23,6 +25,7 @@ use crate::time::Time;
 use crate::trace::{Level, Pin, Trace};
 use crate::wiring;
 use bxcan::BxCan;
+use fdcan::FdCan;
 use capture::CrystalCapture;
 use interrupts::Effect;
 use std::collections::{BTreeMap, BTreeSet};
@@ -53,7 +56,8 @@ const SERIALS: [(u32, u16); 2] = [(0x4000_4400, 38), (0x4000_4800, 39)];
 const LINE: usize = 0;
 
 /// Pins of channels of timers: pin, alternate function, timer, channel.
-const CHANNELS: [(Pin, u8, u8, u8); 4] = [
+const CHANNELS: [(Pin, u8, u8, u8); 5] = [
+    (Pin('A', 0), 1, 2, 0),
     (Pin('A', 5), 1, 2, 0),
     (Pin('C', 6), 2, 3, 0),
     (Pin('C', 7), 2, 3, 1),
@@ -86,7 +90,25 @@ const IDENTITY: u32 = 0xE004_2000;
 const STANDS_AT_HALT: u32 = 0xE004_2008;
 const WATCHDOG_STANDS: u32 = 1 << 12;
 
+/// Chip that the bench models.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Kind {
+    Stm32f405,
+    Stm32g474,
+}
+
+impl Kind {
+    /// Returns the crystal for which images are built: that of the generic board, or of the Nucleo.
+    pub(crate) fn crystal(self) -> Crystal {
+        match self {
+            Self::Stm32f405 => Crystal::Runs { mhz: 8 },
+            Self::Stm32g474 => Crystal::Runs { mhz: 24 },
+        }
+    }
+}
+
 pub(crate) struct Chip {
+    kind: Kind,
     pub(crate) now: Time,
     /// Time at which the processor has to look at the chip again.
     pub(crate) stop_at: Time,
@@ -101,6 +123,7 @@ pub(crate) struct Chip {
     /// Machine behind amplifiers and encoders, with the level at which they are on.
     pub(crate) rotors: Option<(Rotors, bool)>,
     can: BxCan,
+    fd_can: FdCan,
     /// Bus at the controller.
     pub(crate) bus: Option<Box<dyn CanBus>>,
     supply: Supply,
@@ -114,22 +137,28 @@ pub(crate) struct Chip {
 
 impl Chip {
     /// Creates a chip whose watchdog's oscillator has so many Hz.
-    pub(crate) fn new(crystal: Crystal, oscillator_hz: u64) -> Self {
+    pub(crate) fn new(kind: Kind, crystal: Crystal, oscillator_hz: u64) -> Self {
         let clock = ClockControl::new(crystal);
         let clocks = clock.clocks();
+        let port = |name| match kind {
+            Kind::Stm32f405 => Port::new(name),
+            Kind::Stm32g474 => Port::with_modes(g474::reset_modes(name)),
+        };
         let mut chip = Self {
+            kind,
             now: 0,
             stop_at: 0,
             clock,
             clocks,
             interrupts: Interrupts::new(),
-            ports: PORTS.map(Port::new),
+            ports: PORTS.map(port),
             timers: TIMERS.iter().map(|timer| Timer::new(timer.4)).collect(),
             serials: [Serial::default(), Serial::default()],
             watchdog: Watchdog::new(oscillator_hz),
             capture: CrystalCapture::default(),
             rotors: None,
             can: BxCan::new(),
+            fd_can: FdCan::new(),
             bus: None,
             supply: Supply::new(),
             held: BTreeMap::new(),
@@ -158,6 +187,7 @@ impl Chip {
         self.watchdog.reset();
         self.capture = CrystalCapture::default();
         self.can = BxCan::new();
+        self.fd_can = FdCan::new();
         self.supply.reset();
         // What a debugger has set stays.
         self.held.retain(|address, _| *address == STANDS_AT_HALT);
@@ -237,8 +267,11 @@ impl Chip {
     }
 
     fn advance_can(&mut self) {
-        let bus = self.bus.as_deref_mut();
-        self.can.advance(self.now, self.clocks.apb1, bus.map(|bus| bus as _));
+        let bus = self.bus.as_deref_mut().map(|bus| bus as _);
+        match self.kind {
+            Kind::Stm32f405 => self.can.advance(self.now, self.clocks.apb1, bus),
+            Kind::Stm32g474 => self.fd_can.advance(self.now, self.clocks.apb1, bus),
+        }
     }
 
     /// Lets the machine behind the amplifiers go on to the present time.
@@ -267,10 +300,10 @@ impl Chip {
             let of = |(_, _, timer, channel): &(Pin, u8, u8, u8)| {
                 (*timer, *channel) == (number, edge.channel)
             };
-            if let Some((pin, function, ..)) = CHANNELS.into_iter().find(of)
-                && mode_of(ports, pin) == Some(Mode::Alternate(function))
-            {
-                trace.record(edge.time, pin, Level::of(edge.high));
+            for (pin, function, ..) in CHANNELS.into_iter().filter(of) {
+                if mode_of(ports, pin) == Some(Mode::Alternate(function)) {
+                    trace.record(edge.time, pin, Level::of(edge.high));
+                }
             }
         });
     }
@@ -282,6 +315,8 @@ impl Chip {
         self.interrupts
             .set_line(supply::PVD, self.supply.interrupts());
         self.interrupts.set_line(bxcan::RX0, self.can.interrupts());
+        self.interrupts
+            .set_line(fdcan::IT0, self.fd_can.interrupts());
         for (serial, (_, interrupt)) in self.serials.iter().zip(SERIALS) {
             self.interrupts.set_line(interrupt, serial.interrupts());
         }
@@ -295,7 +330,10 @@ impl Chip {
             .chain(serials)
             .chain(self.interrupts.tick.next(self.clocks.core))
             .chain(self.watchdog.bite())
-            .chain(self.can.next(self.bus.as_deref()))
+            .chain(match self.kind {
+                Kind::Stm32f405 => self.can.next(self.bus.as_deref()),
+                Kind::Stm32g474 => self.fd_can.next(self.bus.as_deref()),
+            })
             .min()
     }
 
@@ -386,6 +424,19 @@ impl Chip {
                 self.set_lines();
                 read
             }
+            Place::FdCan(offset) => {
+                self.advance_can();
+                let read = self.fd_can.read(offset);
+                self.set_lines();
+                read
+            }
+            Place::MessageRam(offset) => self.fd_can.read_ram(offset),
+            Place::OtherClock(offset) => g474::read_clock(&self.clock, &self.held, offset, now),
+            Place::OtherSerial(index, offset) => {
+                let read = g474::read_serial(&mut self.serials[index], offset, now, apb1);
+                self.set_lines();
+                read
+            }
             Place::Supply(offset) => self.supply.read(offset),
             Place::Lines(offset) => self.supply.read_line(offset),
             // Revision of an STM32F405: an emulator has none, and the image asks.
@@ -447,6 +498,23 @@ impl Chip {
                 self.advance_can();
                 known
             }
+            Place::FdCan(offset) => {
+                self.advance_can();
+                let is_sending = self.bus.as_ref().is_some_and(|bus| bus.is_sending());
+                let known = self.fd_can.write(offset, value, now, apb1, is_sending);
+                self.advance_can();
+                known
+            }
+            Place::MessageRam(offset) => self.fd_can.write_ram(offset, size, value),
+            Place::OtherClock(offset) => {
+                self.held.insert(address, value);
+                let known = g474::write_clock(&mut self.clock, offset, value, now);
+                self.set_clocks();
+                known
+            }
+            Place::OtherSerial(index, offset) => {
+                g474::write_serial(&mut self.serials[index], offset, value, now, apb1)
+            }
             Place::Supply(offset) => self.supply.write(offset, value),
             Place::Lines(offset) => self.supply.write_line(offset, value),
             Place::Held => {
@@ -467,7 +535,7 @@ impl Chip {
     fn hold(&mut self, address: u32, value: u32) {
         self.held.insert(address, value);
         match address {
-            RESET_OF_PORTS => {
+            RESET_OF_PORTS | g474::RESET_OF_PORTS => {
                 for index in 0..PORTS.len() {
                     if value >> index & 1 != 0 {
                         self.ports[index].reset();
@@ -498,6 +566,11 @@ impl Chip {
                 .contains(&address)
                 .then(|| address - start)
         };
+        if self.kind == Kind::Stm32g474
+            && let Some(place) = g474::place(address)
+        {
+            return place;
+        }
         if let Some(offset) = within(0x4002_3800, 0x0C).or(within(0x4002_3874, 4).map(|_| 0x74)) {
             return Place::Clock(offset);
         }
@@ -560,6 +633,10 @@ enum Place {
     Watchdog(u32),
     Capture(u32),
     Can(u32),
+    FdCan(u32),
+    MessageRam(u32),
+    OtherClock(u32),
+    OtherSerial(usize, u32),
     Supply(u32),
     Lines(u32),
     Identity,
@@ -581,7 +658,8 @@ mod tests {
     use super::*;
 
     fn chip() -> Chip {
-        Chip::new(Crystal::Runs { mhz: 8 }, 32_000)
+        let kind = Kind::Stm32f405;
+        Chip::new(kind, kind.crystal(), 32_000)
     }
 
     #[test]

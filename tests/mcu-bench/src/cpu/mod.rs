@@ -14,7 +14,7 @@ mod exceptions;
 mod flash;
 mod world;
 
-use crate::chip::{Chip, Crystal, NMI, ResetCause};
+use crate::chip::{Chip, Crystal, Kind, NMI, ResetCause};
 use crate::time::Time;
 use crate::trace::Trace;
 use anyhow::{Result, anyhow, bail};
@@ -77,9 +77,14 @@ fn failed(error: unicorn_engine::uc_error) -> anyhow::Error {
 
 impl Board {
     /// Puts the image of `file` into the flash of a board and switches it on.
-    pub(crate) fn switch_on(file: &Path, crystal: Crystal, oscillator_hz: u64) -> Result<Self> {
+    pub(crate) fn switch_on(
+        kind: Kind,
+        file: &Path,
+        crystal: Crystal,
+        oscillator_hz: u64,
+    ) -> Result<Self> {
         let world = World {
-            chip: Chip::new(crystal, oscillator_hz),
+            chip: Chip::new(kind, crystal, oscillator_hz),
             blocks: vec![(0, 0); FLASH_BYTES as usize / 2],
             flash: flash::load(file)?,
             must_go_on: true,

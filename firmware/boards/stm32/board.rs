@@ -12,22 +12,12 @@ macro_rules! line_interrupt {
     ($interrupt:ident) => {
         /// The device as RTIC sees it.
         pub(crate) mod device {
-            pub(crate) use stm32_metapac::NVIC_PRIO_BITS;
-
-            /// Registers are constants: there is nothing to hand out.
-            pub(crate) struct Peripherals;
-
-            impl Peripherals {
-                /// # Safety
-                /// None: there is nothing to share.
-                pub(crate) unsafe fn steal() -> Self {
-                    Self
-                }
-            }
+            pub(crate) use crate::parts::device::*;
 
             /// The interrupts of the tasks.
             pub(crate) mod interrupt {
-                pub(crate) use stm32_metapac::Interrupt::{TIM7_DAC as TIM7, $interrupt as LINE};
+                pub(crate) use crate::parts::device::Interrupt::$interrupt as LINE;
+                pub(crate) use crate::parts::device::SLOTS as TIM7;
             }
         }
 
@@ -35,7 +25,7 @@ macro_rules! line_interrupt {
     };
 }
 
-/// Entry of the vector table for a task that has another name.
+/// Makes the entry of the vector table for a task that has another name.
 macro_rules! entry {
     ($interrupt:ident, $task:ident) => {
         #[unsafe(no_mangle)]
@@ -48,8 +38,6 @@ macro_rules! entry {
         }
     };
 }
-
-#[cfg(drive = "stepper")]
-entry!(TIM7_DAC, TIM7);
+pub(crate) use entry;
 
 include!(concat!(env!("OUT_DIR"), "/board.rs"));
