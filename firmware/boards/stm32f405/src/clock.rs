@@ -140,8 +140,7 @@ fn is_right(rcc: &RCC, tim11: &TIM11) -> bool {
             first = at;
         }
         let counts = u32::from((at as u16).wrapping_sub(first as u16));
-        right = capture == CAPTURES
-            && (COUNTS * 91 / 100..=COUNTS * 1055 / 1000).contains(&counts);
+        right = capture == CAPTURES && (COUNTS * 91 / 100..=COUNTS * 1055 / 1000).contains(&counts);
     }
     tim11.cr1().reset();
     rcc.apb2enr().modify(|_, w| w.tim11en().clear_bit());

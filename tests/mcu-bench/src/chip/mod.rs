@@ -100,7 +100,7 @@ pub(crate) struct Chip {
     capture: CrystalCapture,
     /// Machine behind amplifiers and encoders, with the level at which they are on.
     pub(crate) rotors: Option<(Rotors, bool)>,
-    can: BxCan,
+    pub(crate) can: BxCan,
     /// Bus at the controller.
     pub(crate) bus: Option<Box<dyn CanBus>>,
     supply: Supply,
@@ -238,7 +238,8 @@ impl Chip {
 
     fn advance_can(&mut self) {
         let bus = self.bus.as_deref_mut();
-        self.can.advance(self.now, self.clocks.apb1, bus.map(|bus| bus as _));
+        self.can
+            .advance(self.now, self.clocks.apb1, bus.map(|bus| bus as _));
     }
 
     /// Lets the machine behind the amplifiers go on to the present time.
@@ -248,10 +249,16 @@ impl Chip {
         };
         let timer = |number: u8| TIMERS.iter().position(|timer| timer.0 == number);
         let enabled = self.trace.level(wiring::ENABLE) == Level::of(*on);
-        let set = timer(SET_VALUE_TIMER).filter(|_| enabled).and_then(|index| {
-            let timer = &self.timers[index];
-            Some([timer.set_value(0)?, timer.set_value(1)?, timer.set_value(2)?])
-        });
+        let set = timer(SET_VALUE_TIMER)
+            .filter(|_| enabled)
+            .and_then(|index| {
+                let timer = &self.timers[index];
+                Some([
+                    timer.set_value(0)?,
+                    timer.set_value(1)?,
+                    timer.set_value(2)?,
+                ])
+            });
         let turned = rotors.advance(self.now, set);
         for (number, counts) in ENCODERS.into_iter().zip(turned) {
             if let Some(index) = timer(number) {
