@@ -125,7 +125,7 @@ impl<const D: usize> MovedBody for Body<D> {
             if let Some(ending) = self.plant.ending() {
                 return Err(Refusal::Scene {
                     key: "plant".into(),
-                    reason: ending.cause.to_string(),
+                    reason: ending.to_string(),
                 });
             }
         }

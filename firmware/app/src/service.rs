@@ -170,7 +170,9 @@ fn log_start(board: &Board) {
         Clock::Crystal | Clock::Emulated | Clock::Host => {}
         Clock::Internal => defmt::warn!("the crystal does not start: internal oscillator and PLL"),
         Clock::Slow => defmt::warn!("no crystal and no PLL: internal oscillator"),
-        Clock::WrongCrystal => defmt::error!("check crystal_mhz of the board file: the crystal is another"),
+        Clock::WrongCrystal => {
+            defmt::error!("check crystal_mhz of the board file: the crystal is another")
+        }
     }
     match &board.start {
         Start::Power | Start::Reset => {}

@@ -43,7 +43,8 @@ pub fn start(start: &Start) -> String {
         Start::HardFault(registers) => format!("a hard fault{}", at(registers)),
         Start::StackOverflow(registers) => format!("its stack ran over{}", at(registers)),
         Start::CrystalStopped => {
-            "its crystal stopped while it ran: the internal oscillator serves until the next reset".into()
+            "its crystal stopped while it ran: the internal oscillator serves until the next reset"
+                .into()
         }
         Start::LowSupply => "the supply of its chip fell below 2.7 V".into(),
     }

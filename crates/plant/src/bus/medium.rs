@@ -243,7 +243,7 @@ impl<const LONGEST: usize> Medium<LONGEST> {
         }
         let Some(sender) = from else {
             self.tell(ControllerEvent::Sent(frame.clone()));
-        // A frame that was dropped meanwhile is not there any more.
+            // A frame that was dropped meanwhile is not there any more.
             if self.mailboxes.front() == Some(&frame) {
                 self.mailboxes.pop_front();
             }

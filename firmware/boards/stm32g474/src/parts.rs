@@ -11,12 +11,14 @@ use trirrr_protocol::message::Start;
 
 /// The device as RTIC sees it.
 pub(crate) mod device {
+    #![allow(unsafe_code)]
+
     pub(crate) use crate::metapac::device::*;
     pub(crate) use stm32_metapac::Interrupt::TIM7_DAC as SLOTS;
-}
 
-#[cfg(drive = "stepper")]
-crate::board::entry!(TIM7_DAC, TIM7);
+    #[cfg(drive = "stepper")]
+    crate::board::entry!(TIM7_DAC, TIM7);
+}
 
 /// Clocks of peripherals: all on from the start.
 pub(crate) struct Rcc;

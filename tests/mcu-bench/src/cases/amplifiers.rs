@@ -8,6 +8,7 @@ use crate::time::{MS, SECOND, Time, of_seconds};
 use crate::trace::Level;
 use crate::wiring::{self, ENABLE, SET_VALUES};
 use anyhow::{Context, Result, ensure};
+use std::f64::consts::PI;
 use trirrr_scene::{Bldc, DriveKind, EnableLevel};
 
 /// Largest error of a duty, parts: a count of the timer, and the rounding of a time.
@@ -95,23 +96,41 @@ pub(super) fn broken_wire(subject: &Subject) -> Result<Vec<Row>> {
         ensure!(now < 6 * SECOND, "no joint has moved within 6 s");
         host.run(&mut board, now + LOOK)?;
         let angles = rotors(&mut board)?.angles();
-        if angles.iter().zip(start).any(|(now, start)| (now - start).abs() > 0.1) {
+        if angles
+            .iter()
+            .zip(start)
+            .any(|(now, start)| (now - start).abs() > 0.1)
+        {
             break;
         }
     }
     let since = board.now();
     rotors(&mut board)?.broken_wire[0] = true;
-    host.run(&mut board, since + SECOND)?;
-    board.run(since + SECOND)?;
+    let stands = commanded(&host)?;
+    let feedback = subject.scene.feedback.unwrap_or_default();
+    // The board sees a joint that stands. Its command goes on until the error is one, then for the time of the watch.
+    let (mut error_at, mut most) = (None, 0.0_f64);
+    while board.now() < since + SECOND {
+        let now = board.now();
+        match host.ended {
+            None => host.run(&mut board, now + LOOK)?,
+            Some(_) => board.run(now + LOOK)?,
+        }
+        let command = commanded(&host)?;
+        if (command - stands).abs() > feedback.following_moving_rad && error_at.is_none() {
+            error_at = Some(board.now());
+        }
+        most = most.max((rotors(&mut board)?.angles()[0] - command).abs());
+    }
+    let error_at = error_at.context("the job moves joint 1 too little")?;
     let told = match &host.ended {
         Some(Err(told)) => told.clone(),
         Some(Ok(())) => "the job was played".into(),
         None => "nothing".into(),
     };
     let outputs = subject.outputs();
-    let feedback = subject.scene.feedback.unwrap_or_default();
-    // The job goes on for as long as the error takes to grow; from there on the time of the watch and a tick.
-    let bound = 50 * MS + of_seconds(feedback.following_time_s);
+    let ticks = 3.0 / subject.scene.tick_rate_hz;
+    let bound = error_at - since + of_seconds(feedback.following_time_s + ticks);
     Ok(vec![
         Row {
             case: "encoder",
@@ -128,7 +147,20 @@ pub(super) fn broken_wire(subject: &Subject) -> Result<Vec<Row>> {
             since,
             bound,
         ),
+        Row {
+            case: "encoder",
+            subject: "wire of encoder 1 broken: joint off its command by at most".into(),
+            measured: format!("{most:.2} rad"),
+            bound: format!("≤ {PI:.2} rad"),
+            holds: most <= PI,
+        },
     ])
+}
+
+/// Returns the angle of joint 1 in the newest sample.
+fn commanded(host: &Host) -> Result<f64> {
+    let newest = host.samples.last().context("a sample")?;
+    Ok(newest.angles[0].into())
 }
 
 /// The job begins, no rotor turns: the machine says so and switches off, and no set value was beyond its bounds.

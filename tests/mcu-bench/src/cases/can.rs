@@ -229,7 +229,11 @@ fn in_mid_move(subject: &Subject) -> Result<(Board, Host)> {
         ensure!(now < 6 * SECOND, "no joint has moved within 6 s");
         host.run(&mut board, now + LOOK)?;
         let angles = bus(&mut board)?.angles();
-        if angles.iter().zip(start).any(|(now, start)| (now - start).abs() > 0.1) {
+        if angles
+            .iter()
+            .zip(start)
+            .any(|(now, start)| (now - start).abs() > 0.1)
+        {
             break;
         }
     }
@@ -238,7 +242,12 @@ fn in_mid_move(subject: &Subject) -> Result<(Board, Host)> {
 }
 
 /// Goes on for `seconds` of time. Returns the time since `since` after which no drive had a torque any more.
-fn torques_end(board: &mut Board, host: &mut Host, since: Time, until: Time) -> Result<Option<Time>> {
+fn torques_end(
+    board: &mut Board,
+    host: &mut Host,
+    since: Time,
+    until: Time,
+) -> Result<Option<Time>> {
     let mut last = Some(since);
     while board.now() < until {
         let now = board.now();
@@ -269,6 +278,8 @@ struct Failure {
     ticks: u32,
     /// The timeout counts: no order reaches a drive, or a drive has to be missed first.
     waits: bool,
+    /// The controller of the board goes off the bus.
+    goes_off: bool,
     /// Part of what the client is told.
     told: &'static str,
 }
@@ -304,6 +315,12 @@ fn failure(subject: &Subject, failure: &Failure) -> Result<Vec<Row>> {
             measured: told,
             bound: failure.told.into(),
         },
+        fact(
+            failure.case,
+            &format!("{}: the controller goes off the bus", failure.what),
+            (board.chip().bus_offs() > 0).to_string(),
+            &failure.goes_off.to_string(),
+        ),
     ])
 }
 
@@ -317,6 +334,7 @@ pub(super) fn wire(subject: &Subject) -> Result<Vec<Row>> {
             fail: |bus| bus.faults().is_shorted = true,
             ticks: 3,
             waits: true,
+            goes_off: true,
             told: "bus",
         },
         Failure {
@@ -325,6 +343,7 @@ pub(super) fn wire(subject: &Subject) -> Result<Vec<Row>> {
             fail: |bus| bus.faults().is_cut = true,
             ticks: 3,
             waits: true,
+            goes_off: false,
             told: "bus",
         },
     ] {
@@ -369,6 +388,7 @@ pub(super) fn drive(subject: &Subject) -> Result<Vec<Row>> {
             // A heartbeat comes 50 times per second.
             ticks: 14,
             waits: false,
+            goes_off: false,
             told: "drive 2",
         },
         Failure {
@@ -377,6 +397,7 @@ pub(super) fn drive(subject: &Subject) -> Result<Vec<Row>> {
             fail: |bus| bus.fail(1, DriveFailure::Unplugged),
             ticks: 4,
             waits: true,
+            goes_off: false,
             told: "drive 2",
         },
     ] {

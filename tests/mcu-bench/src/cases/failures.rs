@@ -191,9 +191,23 @@ pub(super) fn clock(subject: &Subject) -> Result<Vec<Row>> {
         FAILS_WITHIN,
         "CrystalStopped",
     )?;
+    let mut host = subject.host(&mut board)?;
+    let now = board.now();
+    host.run(&mut board, now + 30 * MS)?;
+    let identity = host.client().identity();
+    let clock = identity.map_or("none".into(), |identity| {
+        format!("{:?}", identity.board.clock)
+    });
+    rows.push(fact("clock", "clock after the start", clock, "Internal"));
     let outputs = subject.outputs();
     let after = "after the crystal has stopped".into();
-    rows.push(never_on(&board, &outputs, "clock", after, since + FAILS_WITHIN));
+    rows.push(never_on(
+        &board,
+        &outputs,
+        "clock",
+        after,
+        since + FAILS_WITHIN,
+    ));
     Ok(rows)
 }
 
@@ -221,7 +235,13 @@ pub(super) fn supply(subject: &Subject) -> Result<Vec<Row>> {
         "true",
     ));
     let after = "with the supply low and back".into();
-    rows.push(never_on(&board, &outputs, "supply", after, since + FAILS_WITHIN));
+    rows.push(never_on(
+        &board,
+        &outputs,
+        "supply",
+        after,
+        since + FAILS_WITHIN,
+    ));
     Ok(rows)
 }
 

@@ -63,6 +63,8 @@ pub(crate) struct BxCan {
     /// Time at which a controller that is off the bus is back.
     back_at: Option<Time>,
     is_off: bool,
+    /// Times that the controller went off the bus.
+    pub(crate) offs: u32,
 }
 
 impl BxCan {
@@ -86,6 +88,7 @@ impl BxCan {
             on_since: None,
             back_at: None,
             is_off: false,
+            offs: 0,
         }
     }
 
@@ -196,6 +199,7 @@ impl BxCan {
                 self.drop_aborted();
                 if self.transmit_errors >= OFF {
                     self.is_off = true;
+                    self.offs += 1;
                     self.on_since = None;
                     let silence = 128 * SILENCE * self.bit(clock);
                     self.back_at = (self.control & RECOVERS != 0).then(|| time + silence);
@@ -230,7 +234,11 @@ impl BxCan {
         let filter = (0..28).find(|bank| {
             let on = self.filters_on & 1 << bank != 0;
             // Banks of 32 bits with a mask, into FIFO 0.
-            let kind = [self.filter_modes[1], !self.filter_modes[0], !self.filter_modes[2]];
+            let kind = [
+                self.filter_modes[1],
+                !self.filter_modes[0],
+                !self.filter_modes[2],
+            ];
             let [id_bits, mask] = self.filters[*bank];
             let fits = kind.iter().all(|bits| bits & 1 << bank != 0);
             on && fits && (id ^ id_bits) & mask == 0
@@ -380,5 +388,123 @@ impl BxCan {
             _ => return false,
         }
         true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::time::MS;
+
+    /// Period of APB1 at 42 MHz, and the timing of 1 Mbit/s as the image writes it: 14 quanta of three periods.
+    const CLOCK: Time = 24;
+    const TIMING: u32 = 1 << 24 | 1 << 20 | 10 << 16 | 2;
+
+    fn started(control: u32) -> BxCan {
+        let mut can = BxCan::new();
+        let writes = [
+            (0x00, INITIALISE | control),
+            (0x1C, TIMING),
+            // One filter: identifier 0x28 to 0x2F.
+            (0x20C, 1),
+            (0x240, 0x28 << 21),
+            (0x244, 0x7F8 << 21 | 0b110),
+            (0x21C, 1),
+            (0x200, 0),
+            (0x14, 1 << 1),
+            (0x00, control),
+        ];
+        for (offset, value) in writes {
+            assert!(can.write(offset, value, 0, CLOCK, false), "{offset:#x}");
+        }
+        can
+    }
+
+    fn request(can: &mut BxCan, index: u32, id: u32) {
+        let place = 0x180 + 0x10 * index;
+        for (offset, value) in [(4, 8), (8, 1), (12, 2), (0, id << 21 | REQUESTED)] {
+            assert!(can.write(place + offset, value, MS, CLOCK, false));
+        }
+    }
+
+    #[test]
+    fn the_timing_of_the_image_makes_a_megabit_and_counts_in_initialisation_alone() {
+        let mut can = started(RECOVERS);
+        assert_eq!(can.bit_rate_hz(CLOCK), 1e6);
+        can.write(0x1C, 0, MS, CLOCK, false);
+        assert_eq!(can.read(0x1C), Some(TIMING));
+        assert!(!can.is_on(10 * 1008) && can.is_on(11 * 1008));
+    }
+
+    #[test]
+    fn a_filter_lets_its_frames_in_and_a_fourth_overruns() {
+        let mut can = started(RECOVERS);
+        let frame = |id: u16, data: &[u8]| {
+            let id = StandardId::new(id).expect("eleven bits");
+            WireFrame::new(id, data).expect("short")
+        };
+        can.receive(&frame(0x30, &[1]));
+        assert!(!can.interrupts());
+        for byte in 1..=4 {
+            can.receive(&frame(0x2C, &[byte, 0xFF]));
+        }
+        // Three, full, one lost.
+        assert_eq!(can.read(0x0C), Some(3 | 1 << 3 | 1 << 4));
+        assert!(can.interrupts());
+        assert_eq!(
+            (can.read(0x1B0), can.read(0x1B4)),
+            (Some(0x2C << 21), Some(2))
+        );
+        assert_eq!(can.read(0x1B8), Some(0xFF01));
+        for _ in 0..3 {
+            can.write(0x0C, 1 << 5, MS, CLOCK, false);
+        }
+        assert!(!can.interrupts());
+    }
+
+    #[test]
+    fn frames_go_in_the_order_of_requests_or_of_identifiers() {
+        for (control, first) in [(IN_ORDER, Some(0)), (0, Some(1))] {
+            let mut can = started(control);
+            request(&mut can, 0, 0x300);
+            request(&mut can, 1, 0x200);
+            can.choose(MS);
+            assert_eq!(can.offered, first);
+        }
+    }
+
+    #[test]
+    fn a_frame_under_way_is_aborted_at_its_end_and_another_at_once() {
+        let mut can = started(IN_ORDER);
+        request(&mut can, 0, 0x300);
+        request(&mut can, 1, 0x200);
+        can.choose(MS);
+        can.write(0x08, 1 << 7 | 1 << 15, MS, CLOCK, true);
+        let empty = |can: &BxCan| can.read(0x08).expect("TSR") >> 26;
+        assert_eq!(empty(&can), 0b110);
+        can.handle(MS, CLOCK, BusEvent::NotAcknowledged);
+        assert_eq!(empty(&can), 0b111);
+    }
+
+    #[test]
+    fn errors_of_bits_end_off_the_bus_and_missing_acknowledgements_do_not() {
+        let mut can = started(RECOVERS);
+        for _ in 0..100 {
+            can.handle(MS, CLOCK, BusEvent::NotAcknowledged);
+        }
+        assert_eq!(can.read(0x18).expect("ESR") & 0b111, 0b011);
+        for _ in 0..16 {
+            can.handle(MS, CLOCK, BusEvent::BitError);
+        }
+        assert_eq!(can.read(0x18).expect("ESR") & 0b111, 0b111);
+        assert!(!can.is_on(MS));
+        // Back after 128 times 11 bits of a microsecond.
+        let back = MS + 1408 * 1008;
+        assert_eq!(can.next(None), Some(back));
+        can.advance(back - 1, CLOCK, None);
+        assert!(!can.is_on(back - 1));
+        can.advance(back, CLOCK, None);
+        assert!(can.is_on(back));
+        assert_eq!(can.read(0x18).expect("ESR") >> 16, 0);
     }
 }

@@ -63,6 +63,8 @@ pub(crate) struct FdCan {
     /// Time from which on the controller takes part; none in initialisation and off the bus.
     on_since: Option<Time>,
     is_off: bool,
+    /// Times that the controller has gone off the bus.
+    pub(crate) offs: u32,
 }
 
 impl FdCan {
@@ -86,6 +88,7 @@ impl FdCan {
             transmit_errors: 0,
             on_since: None,
             is_off: false,
+            offs: 0,
         }
     }
 
@@ -199,6 +202,7 @@ impl FdCan {
                 if self.transmit_errors >= OFF {
                     // The program has to leave the initialisation.
                     self.is_off = true;
+                    self.offs += 1;
                     self.control |= INITIALISE;
                     self.on_since = None;
                 }

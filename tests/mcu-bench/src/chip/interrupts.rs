@@ -142,7 +142,9 @@ impl Interrupts {
 
     /// Returns true if HardFault is being handled: another fault locks the processor up.
     pub(crate) fn is_in_hard_fault(&self) -> bool {
-        self.active.iter().any(|active| [NMI, HARD_FAULT].contains(active))
+        self.active
+            .iter()
+            .any(|active| [NMI, HARD_FAULT].contains(active))
     }
 
     fn priority(&self, exception: u16) -> u16 {
@@ -175,7 +177,10 @@ impl Interrupts {
     /// Returns true if any exception is pending, whether it may preempt or not.
     fn any_pending(&self) -> bool {
         let masked = |word: usize| self.enabled[word] & (self.pended[word] | self.lines[word]);
-        self.fails || self.tick_pended || self.software_pended || (0..3).any(|word| masked(word) != 0)
+        self.fails
+            || self.tick_pended
+            || self.software_pended
+            || (0..3).any(|word| masked(word) != 0)
     }
 
     /// Returns the exception that preempts what runs now, if the masks let it.

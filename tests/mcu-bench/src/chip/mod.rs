@@ -200,6 +200,14 @@ impl Chip {
         self.clocks.core
     }
 
+    /// Returns how often the controller has gone off the bus.
+    pub(crate) fn bus_offs(&self) -> u32 {
+        match self.kind {
+            Kind::Stm32f405 => self.can.offs,
+            Kind::Stm32g474 => self.fd_can.offs,
+        }
+    }
+
     /// Returns the line.
     pub(crate) fn line(&mut self) -> &mut Serial {
         &mut self.serials[LINE]
@@ -281,10 +289,16 @@ impl Chip {
         };
         let timer = |number: u8| TIMERS.iter().position(|timer| timer.0 == number);
         let enabled = self.trace.level(wiring::ENABLE) == Level::of(*on);
-        let set = timer(SET_VALUE_TIMER).filter(|_| enabled).and_then(|index| {
-            let timer = &self.timers[index];
-            Some([timer.set_value(0)?, timer.set_value(1)?, timer.set_value(2)?])
-        });
+        let set = timer(SET_VALUE_TIMER)
+            .filter(|_| enabled)
+            .and_then(|index| {
+                let timer = &self.timers[index];
+                Some([
+                    timer.set_value(0)?,
+                    timer.set_value(1)?,
+                    timer.set_value(2)?,
+                ])
+            });
         let turned = rotors.advance(self.now, set);
         for (number, counts) in ENCODERS.into_iter().zip(turned) {
             if let Some(index) = timer(number) {
