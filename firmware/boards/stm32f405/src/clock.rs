@@ -102,9 +102,9 @@ const CAPTURES: u32 = 32;
 const COUNTS: u32 = CAPTURES * 8 * (HSI_HZ / 1_000_000) * board::PLL.factor as u32 / 336;
 
 /// Measures the crystal with the internal oscillator: TIM11 counts periods of the core's clock between edges of the crystal's, divided
-/// as for the PLL (RM0090, 7.2.11 and 19.4.12). Returns `false` if the crystal is not that of the board file.
+/// as for the PLL (RM0090, chapters 7 and 19). Returns `false` if the crystal is not that of the board file.
 ///
-/// The internal oscillator is 8 % slow to 4.5 % fast from -40 to 105 degrees Celsius (DS8626, table 38), so a crystal that is off less
+/// The internal oscillator is 8 % slow to 4.5 % fast from -40 to 105 degrees Celsius (data sheet DS8626), so a crystal that is off less
 /// than that is not told from the right one.
 #[inline(never)]
 fn is_right(rcc: &RCC, tim11: &TIM11) -> bool {
@@ -133,7 +133,7 @@ fn is_right(rcc: &RCC, tim11: &TIM11) -> bool {
         if capture == 0 {
             first = at;
         }
-        let counts = u32::from((at as u16).wrapping_sub(first as u16));
+        let counts = u32::from(at.wrapping_sub(first));
         right = capture == CAPTURES && (COUNTS * 91 / 100..=COUNTS * 1055 / 1000).contains(&counts);
     }
     tim11.cr1().reset();

@@ -8,7 +8,7 @@ use stm32f4xx_hal::pac::{EXTI, Interrupt, PWR, RCC, interrupt};
 use trirrr_app::failure::end;
 use trirrr_protocol::message::Start;
 
-/// Level of the detector (RM0090, 5.5.1): 2.7 V, below which the flash is too slow for the clock.
+/// Level of the detector (RM0090, chapter 5): 2.7 V, below which the flash is too slow for the clock.
 const LEVEL: u8 = 5;
 
 /// Line of the detector in the controller of external interrupts.
@@ -21,6 +21,8 @@ const SETTLING: u32 = 1600;
 #[inline(never)]
 pub(super) fn await_supply(rcc: &RCC, pwr: &PWR) {
     rcc.apb1enr().modify(|_, w| w.pwren().set_bit());
+    // The clock comes two cycles later (errata sheet ES0182); read before, the register would lose the scale of the regulator.
+    let _ = rcc.apb1enr().read();
     pwr.cr().modify(|_, w| w.pls().set(LEVEL).pvde().set_bit());
     cortex_m::asm::delay(SETTLING);
     if !becomes(|| pwr.csr().read().pvdo().bit_is_clear()) {

@@ -1,8 +1,9 @@
 //! Drives on the CAN bus: the job in frames, and failures of the wire and of drives in the middle of a move.
 
-use super::{Row, Subject, fact, time};
+use super::job::FIRST_TICK;
+use super::{OSCILLATOR_HZ, Row, Subject, fact, time};
 use crate::bus::{CanBus, DriveFailure, WireFrame};
-use crate::chip::SYS_TICK;
+use crate::chip::{Crystal, SYS_TICK};
 use crate::cpu::Board;
 use crate::host::Host;
 use crate::time::{MS, SECOND, Time, of_seconds};
@@ -10,9 +11,6 @@ use anyhow::{Context, Result, ensure};
 use embedded_can::{Frame, Id};
 use std::f64::consts::TAU;
 use trirrr_scene::{CanProtocol, Scene};
-
-/// Number that telemetry gives the first tick after the start.
-const FIRST_TICK: u32 = 1;
 
 /// Command of CANSimple with a position, and bits of it in an identifier.
 const SET_POSITION: u16 = 0x0C;
@@ -73,6 +71,36 @@ pub(super) fn job(subject: &Subject) -> Result<Vec<Row>> {
         bound: "≤ 100 %".into(),
         holds: load > 0.1 && load <= 1.0,
     });
+    Ok(rows)
+}
+
+/// Rows of a board whose crystal is missing or another one: its bits would be too long or too short, so it sends none.
+pub(super) fn without_crystal(subject: &Subject) -> Result<Vec<Row>> {
+    let mut rows = Vec::new();
+    for (what, crystal) in [
+        ("crystal missing", Crystal::Missing),
+        ("crystal of 12 MHz", Crystal::Runs { mhz: 12 }),
+    ] {
+        let mut board = subject.switch_on_with(&subject.image, crystal, OSCILLATOR_HZ[0])?;
+        let mut host = subject.host(&mut board)?;
+        let now = board.now();
+        host.run(&mut board, now + 3 * SECOND)?;
+        let sent = bus(&mut board)?.sent().len();
+        let what = format!("{what}: frames on the bus");
+        rows.push(fact("bus-clock", &what, sent.to_string(), "0"));
+        let told = match &host.ended {
+            Some(Err(told)) => told.clone(),
+            Some(Ok(())) => "the job was played".into(),
+            None => "nothing".into(),
+        };
+        rows.push(Row {
+            case: "bus-clock",
+            subject: format!("{what}: the client is told"),
+            holds: told.contains("drive 1"),
+            measured: told,
+            bound: "drive 1".into(),
+        });
+    }
     Ok(rows)
 }
 

@@ -15,7 +15,7 @@ use trirrr_protocol::message::Telemetry;
 use trirrr_scene::{DriveKind, ToolKind};
 
 /// Number that telemetry gives the first tick after the start.
-const FIRST_TICK: u32 = 1;
+pub(super) const FIRST_TICK: u32 = 1;
 
 /// Microsteps that a pulse may be away from the straight line between the positions of two ticks.
 const MOST_OFF: f64 = 1.0;

@@ -66,7 +66,7 @@ impl Case {
 }
 
 /// All cases.
-pub(crate) const CASES: [Case; 18] = [
+pub(crate) const CASES: [Case; 19] = [
     Case::of("power-up", Needs::Any, power_up::rest),
     Case::of("crystal", Needs::Any, power_up::crystal),
     Case::of("job", Needs::Steppers, job::run),
@@ -82,6 +82,7 @@ pub(crate) const CASES: [Case; 18] = [
     Case::of("blocked", Needs::Amplifiers, amplifiers::blocked),
     Case::of("encoder", Needs::Amplifiers, amplifiers::broken_wire),
     Case::of("can", Needs::Bus, can::job),
+    Case::of("bus-clock", Needs::Bus, can::without_crystal),
     Case::of("bus-off", Needs::Bus, can::wire),
     Case::of("drive", Needs::Bus, can::drive),
     Case::of("stop", Needs::Steppers, failures::stop),

@@ -1,4 +1,4 @@
-//! TIM11 with the crystal's clock at its input: captures of every eighth edge (RM0090, 19.4).
+//! TIM11 with the crystal's clock at its input: captures of every eighth edge (RM0090, chapter 19).
 
 use crate::time::Time;
 
