@@ -86,8 +86,12 @@ pub(super) fn without_crystal(subject: &Subject) -> Result<Vec<Row>> {
         let now = board.now();
         host.run(&mut board, now + 3 * SECOND)?;
         let sent = bus(&mut board)?.sent().len();
-        let what = format!("{what}: frames on the bus");
-        rows.push(fact("bus-clock", &what, sent.to_string(), "0"));
+        rows.push(fact(
+            "bus-clock",
+            &format!("{what}: frames on the bus"),
+            sent.to_string(),
+            "0",
+        ));
         let told = match &host.ended {
             Some(Err(told)) => told.clone(),
             Some(Ok(())) => "the job was played".into(),
