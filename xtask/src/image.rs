@@ -1,8 +1,6 @@
 //! Builds images for microcontrollers, by scene, number type and target.
 
-use crate::boards::{
-    FIRMWARE_MEMORY, FIRMWARE_TARGET, G474_MEMORY, RP2040_MEMORY, RP2040_TARGET,
-};
+use crate::boards::{FIRMWARE_MEMORY, FIRMWARE_TARGET, G474_MEMORY, RP2040_MEMORY, RP2040_TARGET};
 use crate::elf::Memory;
 use crate::repository::{SceneFile, cargo, target_directory};
 use anyhow::{Context, Result, bail, ensure};

@@ -13,16 +13,20 @@ use trirrr_image::generate::of_scene;
 use trirrr_scene::Scene;
 
 pub(crate) fn rp2040() -> Result<()> {
-    measure("the RP2040", RP2040_SCENE, Image::rp2040)
+    measure("the RP2040", RP2040_SCENE, |scene, scalar| {
+        Image::rp2040(scene, scalar)
+    })
 }
 
 pub(crate) fn g474() -> Result<()> {
-    measure("the STM32G474", G474_SCENE, Image::g474)
+    measure("the STM32G474", G474_SCENE, |scene, scalar| {
+        Image::g474(scene, scalar)
+    })
 }
 
 fn measure(
     board: &str,
-    file: &str,
+    file: &'static str,
     image: for<'a> fn(&'a SceneFile, &'static str) -> Image<'a>,
 ) -> Result<()> {
     let name = Path::new(file).file_stem().and_then(OsStr::to_str);

@@ -2,6 +2,7 @@
 //! brings these into its root.
 
 pub(crate) mod board;
+pub(crate) mod clocking;
 pub(crate) mod counts;
 pub(crate) mod fault_status;
 #[cfg(interlocks)]
@@ -11,14 +12,13 @@ mod program;
 pub(crate) mod switches;
 #[cfg(not(tool = "none"))]
 pub(crate) mod tool;
-pub(crate) mod waits;
 
 use crate::clock::Clocks;
 use crate::parts::{DrivePeripherals, Ports, Rcc, StoppedWatchdog, ToolCounter};
 use trirrr_protocol::message::{Clock, Start};
 
 /// A chip after its start.
-pub(crate) struct Parts {
+pub(crate) struct ChipParts {
     /// Cause of the start.
     pub(crate) start: Start,
     pub(crate) clock: Clock,

@@ -5,7 +5,7 @@
 // An image uses those of its scene's functions.
 #![allow(dead_code)]
 
-use crate::gpio::{Input, Output, Pin, Port, Pull};
+use crate::gpio::{InputMode, OutputMode, Pin, PortRegisters, Pull};
 use core::convert::Infallible;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use trirrr_app::pins::NoPin;
@@ -34,8 +34,8 @@ pub(crate) trait BoardPin {
 impl<const P: char, const N: u8> BoardPin for Pin<P, N> {
     const INVERTED: bool = false;
     type Plain = Self;
-    type Output = Pin<P, N, Output>;
-    type Input = Pin<P, N, Input>;
+    type Output = Pin<P, N, OutputMode>;
+    type Input = Pin<P, N, InputMode>;
 
     fn plain(self) -> Self {
         self
@@ -107,8 +107,8 @@ impl BoardPin for NoPin {
 /// Output of port `P`.
 pub(crate) struct PortOutput<const P: char>(u16);
 
-impl<const P: char, const N: u8> From<Pin<P, N, Output>> for PortOutput<P> {
-    fn from(_: Pin<P, N, Output>) -> Self {
+impl<const P: char, const N: u8> From<Pin<P, N, OutputMode>> for PortOutput<P> {
+    fn from(_: Pin<P, N, OutputMode>) -> Self {
         Self(const { 1 << N })
     }
 }
@@ -117,7 +117,7 @@ impl<const P: char> PortOutput<P> {
     /// Writes BSRR: ones of the lower half set pins, ones of the upper half clear pins.
     #[inline(always)]
     fn write(&mut self, bits: u32) {
-        const { Port::of::<P>() }.write(bits);
+        const { PortRegisters::of::<P>() }.write(bits);
     }
 }
 
@@ -141,17 +141,17 @@ impl<const P: char> OutputPin for PortOutput<P> {
 
 /// Output of any port, of either level.
 pub(crate) struct AnyOutput {
-    port: Port,
+    port: PortRegisters,
     /// Bits of BSRR for the level that a function calls high,
     high: u32,
     /// and for the one that it calls low.
     low: u32,
 }
 
-impl<const P: char, const N: u8> From<Pin<P, N, Output>> for AnyOutput {
-    fn from(_: Pin<P, N, Output>) -> Self {
+impl<const P: char, const N: u8> From<Pin<P, N, OutputMode>> for AnyOutput {
+    fn from(_: Pin<P, N, OutputMode>) -> Self {
         Self {
-            port: const { Port::of::<P>() },
+            port: const { PortRegisters::of::<P>() },
             high: const { 1 << N },
             low: const { 1 << (N + 16) },
         }
@@ -186,8 +186,8 @@ impl OutputPin for AnyOutput {
 /// Input of port `P`.
 pub(crate) struct PortInput<const P: char>(u16);
 
-impl<const P: char, const N: u8> From<Pin<P, N, Input>> for PortInput<P> {
-    fn from(_: Pin<P, N, Input>) -> Self {
+impl<const P: char, const N: u8> From<Pin<P, N, InputMode>> for PortInput<P> {
+    fn from(_: Pin<P, N, InputMode>) -> Self {
         Self(const { 1 << N })
     }
 }
@@ -195,21 +195,21 @@ impl<const P: char, const N: u8> From<Pin<P, N, Input>> for PortInput<P> {
 impl<const P: char> PortInput<P> {
     #[inline(always)]
     pub(crate) fn is_high(&self) -> bool {
-        const { Port::of::<P>() }.levels() & u32::from(self.0) != 0
+        const { PortRegisters::of::<P>() }.levels() & u32::from(self.0) != 0
     }
 }
 
 /// Input of any port, of either level.
 pub(crate) struct AnyInput {
-    port: Port,
+    port: PortRegisters,
     bit: u16,
     inverted: bool,
 }
 
-impl<const P: char, const N: u8> From<Pin<P, N, Input>> for AnyInput {
-    fn from(_: Pin<P, N, Input>) -> Self {
+impl<const P: char, const N: u8> From<Pin<P, N, InputMode>> for AnyInput {
+    fn from(_: Pin<P, N, InputMode>) -> Self {
         Self {
-            port: const { Port::of::<P>() },
+            port: const { PortRegisters::of::<P>() },
             bit: const { 1 << N },
             inverted: false,
         }

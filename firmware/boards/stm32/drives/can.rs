@@ -1,6 +1,6 @@
 //! Drives on the CAN bus: the controller carries a frame to each of them in a tick, and an interrupt takes every frame from them.
 
-use super::controller::{BusFrame, Controller, LOST};
+use super::controller::{BusController, BusFrame, LOST};
 use super::{DriveParts, DriveTimer};
 use crate::parts::Rcc;
 use core::sync::atomic::Ordering;
@@ -13,7 +13,7 @@ use trirrr_drives::can::CanDrives;
 use trirrr_protocol::message::Clock;
 
 /// Drives, as the tick sees them.
-pub(crate) type BusDrives = OrEmulated<CanDrives<Scalar, Protocol, Controller>>;
+pub(crate) type BusDrives = OrEmulated<CanDrives<Scalar, Protocol, BusController>>;
 
 /// Queue of the frames that came in: a tick's, and the place that stays empty.
 pub(crate) type Inbox = Queue<BusFrame, { HEARD as usize + 1 }>;
@@ -33,13 +33,14 @@ pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BusDrives, DriveTimer)
     );
     let (frames, inbox) = parts.inbox.split();
     let timing = match parts.clock {
-        Clock::Crystal => Controller::timing(&parts.clocks),
+        Clock::Crystal => BusController::timing(&parts.clocks),
         _ => None,
     };
     if parts.clock == Clock::Emulated {
         return (OrEmulated::Emulated(ObeyingDrives::new(parts.angles)), ());
     }
-    let controller = Controller::start(parts.peripherals.can, rcc, timing, &FILTERS, frames, inbox);
+    let controller =
+        BusController::start(parts.peripherals.can, rcc, timing, &FILTERS, frames, inbox);
     let drives = CanDrives::new(PROTOCOL, controller, NODES, ROTORS, parts.angles, HEARD);
     (OrEmulated::Real(drives), ())
 }

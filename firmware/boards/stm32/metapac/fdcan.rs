@@ -30,7 +30,7 @@ use trirrr_drives::can::{BitTiming, Bus, FdTiming, length_code, length_of};
 pub(super) static LOST: AtomicU32 = AtomicU32::new(0);
 
 /// FDCAN1 as the tick sees it: the buffers of frames that go out, and the queue of what came in.
-pub(crate) struct Controller {
+pub(crate) struct BusController {
     can: Fdcan,
     /// The start has not failed.
     runs: bool,
@@ -57,7 +57,7 @@ impl embedded_can::Error for Off {
 const READS: u32 = 10_000;
 
 /// Bits on the bus.
-pub(super) enum Timing {
+pub(super) enum BusTiming {
     /// Of one rate.
     #[cfg_attr(drive = "moteus", allow(dead_code))]
     Classic(BitTiming),
@@ -66,17 +66,17 @@ pub(super) enum Timing {
     Fd(FdTiming),
 }
 
-/// Timing with the clock of the PLL. An image whose bits would take another time is not built.
-const TIMING: Timing = {
+/// BusTiming with the clock of the PLL. An image whose bits would take another time is not built.
+const TIMING: BusTiming = {
     let clock_hz = crate::clock::FAST.apb1;
     #[cfg(drive = "moteus")]
     let timing = match FdTiming::new(clock_hz, BIT_RATE_HZ, Moteus::DATA_RATE_HZ) {
-        Some(timing) => Timing::Fd(timing),
+        Some(timing) => BusTiming::Fd(timing),
         None => panic!("the clock of the controller is no multiple of the bit rates of moteus"),
     };
     #[cfg(not(drive = "moteus"))]
     let timing = match BitTiming::new(clock_hz, BIT_RATE_HZ) {
-        Some(timing) => Timing::Classic(timing),
+        Some(timing) => BusTiming::Classic(timing),
         None => {
             panic!("bit_rate_hz of the scene: the clock of the controller is no multiple of it")
         }
@@ -87,9 +87,9 @@ const TIMING: Timing = {
 /// Words of a frame in the message RAM: two of its head, 16 of data.
 const PLACE: usize = 18;
 
-impl Controller {
-    /// Timing of the scene's bits. Only for a board that runs from its crystal and the PLL.
-    pub(super) fn timing(_: &Clocks) -> Option<Timing> {
+impl BusController {
+    /// BusTiming of the scene's bits. Only for a board that runs from its crystal and the PLL.
+    pub(super) fn timing(_: &Clocks) -> Option<BusTiming> {
         Some(TIMING)
     }
 
@@ -98,7 +98,7 @@ impl Controller {
     pub(super) fn start(
         can: Fdcan,
         _: &mut Rcc,
-        timing: Option<Timing>,
+        timing: Option<BusTiming>,
         filters: &[(u16, u16); 3],
         frames: Producer<'static, BusFrame>,
         inbox: Consumer<'static, BusFrame>,
@@ -117,7 +117,7 @@ impl Controller {
 }
 
 /// Sets timing and filters. Returns `false` if that is not possible.
-fn configure(can: Fdcan, timing: Option<Timing>, filters: &[(u16, u16); 3]) -> bool {
+fn configure(can: Fdcan, timing: Option<BusTiming>, filters: &[(u16, u16); 3]) -> bool {
     let Some(timing) = timing else {
         return false;
     };
@@ -127,8 +127,8 @@ fn configure(can: Fdcan, timing: Option<Timing>, filters: &[(u16, u16); 3]) -> b
     }
     can.cccr().modify(|w| w.set_cce(true));
     let nominal = match timing {
-        Timing::Classic(nominal) => nominal,
-        Timing::Fd(FdTiming {
+        BusTiming::Classic(nominal) => nominal,
+        BusTiming::Fd(FdTiming {
             nominal,
             data,
             compensation,
@@ -264,7 +264,7 @@ fn count_lost() {
     LOST.fetch_add(1, Ordering::Relaxed);
 }
 
-impl embedded_can::nb::Can for Controller {
+impl embedded_can::nb::Can for BusController {
     type Frame = BusFrame;
     type Error = Off;
 
@@ -323,7 +323,7 @@ impl embedded_can::nb::Can for Controller {
     }
 }
 
-impl Bus for Controller {
+impl Bus for BusController {
     fn abort(&mut self) {
         if self.runs {
             self.can.txbcr().write_value(Txbcr(0b111));

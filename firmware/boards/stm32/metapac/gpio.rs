@@ -10,11 +10,13 @@ use stm32_metapac::gpio::regs::Bsrr;
 use stm32_metapac::gpio::vals::{Moder, Pupdr};
 use stm32_metapac::{GPIOA, GPIOB, GPIOC, GPIOD, GPIOE};
 
+pub(crate) use self::ChipPin as Pin;
+
 /// Registers of a port.
 #[derive(Clone, Copy)]
-pub(crate) struct Port(Gpio);
+pub(crate) struct PortRegisters(Gpio);
 
-impl Port {
+impl PortRegisters {
     /// The port of this letter.
     pub(crate) const fn of<const P: char>() -> Self {
         Self(match P {
@@ -49,26 +51,29 @@ pub(crate) enum Pull {
 }
 
 /// Modes of a pin: as in a reset,
-pub(crate) struct Analog;
+pub(crate) struct AnalogMode;
 /// an input,
-pub(crate) struct Input;
+pub(crate) struct InputMode;
 /// an output,
-pub(crate) struct Output;
+pub(crate) struct OutputMode;
 /// or a pin of a peripheral.
-pub(crate) struct Alternate;
+pub(crate) struct AlternateMode;
 
 /// Pin of a port that is switched on.
-pub(crate) struct Pin<const P: char, const N: u8, M = Analog>(PhantomData<M>);
+pub(crate) struct ChipPin<const P: char, const N: u8, M = AnalogMode>(PhantomData<M>);
 
-impl<const P: char, const N: u8> Pin<P, N> {
+impl<const P: char, const N: u8> ChipPin<P, N> {
     /// The pin: there is one of it, in the struct of a board's pins.
     pub(crate) fn of_its_port() -> Self {
         Self(PhantomData)
     }
 
     /// Makes the pin an output with this level from the beginning.
-    pub(crate) fn into_push_pull_output_in_state(self, state: PinState) -> Pin<P, N, Output> {
-        const { Port::of::<P>() }.write(match state {
+    pub(crate) fn into_push_pull_output_in_state(
+        self,
+        state: PinState,
+    ) -> ChipPin<P, N, OutputMode> {
+        const { PortRegisters::of::<P>() }.write(match state {
             PinState::High => const { 1 << N },
             PinState::Low => const { 1 << (N + 16) },
         });
@@ -76,27 +81,29 @@ impl<const P: char, const N: u8> Pin<P, N> {
     }
 
     /// Makes the pin an input.
-    pub(crate) fn into_input(self) -> Pin<P, N, Input> {
+    pub(crate) fn into_input(self) -> ChipPin<P, N, InputMode> {
         self.into_mode(Moder::INPUT)
     }
 
     /// Hands the pin to the peripheral of this alternate function.
-    pub(crate) fn into_alternate<const A: u8>(self) -> Pin<P, N, Alternate> {
-        let functions = const { Port::of::<P>() }.0.afr(const { N as usize / 8 });
+    pub(crate) fn into_alternate<const A: u8>(self) -> ChipPin<P, N, AlternateMode> {
+        let functions = const { PortRegisters::of::<P>() }
+            .0
+            .afr(const { N as usize / 8 });
         functions.modify(|w| w.set_afr(const { N as usize % 8 }, A));
         self.into_mode(Moder::ALTERNATE)
     }
 
-    fn into_mode<T>(self, mode: Moder) -> Pin<P, N, T> {
-        const { Port::of::<P>() }
+    fn into_mode<T>(self, mode: Moder) -> ChipPin<P, N, T> {
+        const { PortRegisters::of::<P>() }
             .0
             .moder()
             .modify(|w| w.set_moder(const { N as usize }, mode));
-        Pin(PhantomData)
+        ChipPin(PhantomData)
     }
 }
 
-impl<const P: char, const N: u8, M> Pin<P, N, M> {
+impl<const P: char, const N: u8, M> ChipPin<P, N, M> {
     /// Sets the pull.
     pub(crate) fn internal_resistor(self, pull: Pull) -> Self {
         let pull = match pull {
@@ -104,7 +111,7 @@ impl<const P: char, const N: u8, M> Pin<P, N, M> {
             Pull::Up => Pupdr::PULL_UP,
             Pull::Down => Pupdr::PULL_DOWN,
         };
-        const { Port::of::<P>() }
+        const { PortRegisters::of::<P>() }
             .0
             .pupdr()
             .modify(|w| w.set_pupdr(const { N as usize }, pull));
@@ -117,28 +124,28 @@ impl<const P: char, const N: u8, M> Pin<P, N, M> {
     }
 }
 
-impl<const P: char, const N: u8, M> ErrorType for Pin<P, N, M> {
+impl<const P: char, const N: u8, M> ErrorType for ChipPin<P, N, M> {
     type Error = Infallible;
 }
 
-impl<const P: char, const N: u8> OutputPin for Pin<P, N, Output> {
+impl<const P: char, const N: u8> OutputPin for ChipPin<P, N, OutputMode> {
     #[inline(always)]
     fn set_low(&mut self) -> Result<(), Infallible> {
-        const { Port::of::<P>() }.write(const { 1 << (N + 16) });
+        const { PortRegisters::of::<P>() }.write(const { 1 << (N + 16) });
         Ok(())
     }
 
     #[inline(always)]
     fn set_high(&mut self) -> Result<(), Infallible> {
-        const { Port::of::<P>() }.write(const { 1 << N });
+        const { PortRegisters::of::<P>() }.write(const { 1 << N });
         Ok(())
     }
 }
 
-impl<const P: char, const N: u8> InputPin for Pin<P, N, Input> {
+impl<const P: char, const N: u8> InputPin for ChipPin<P, N, InputMode> {
     #[inline(always)]
     fn is_high(&mut self) -> Result<bool, Infallible> {
-        Ok(const { Port::of::<P>() }.levels() & const { 1 << N } != 0)
+        Ok(const { PortRegisters::of::<P>() }.levels() & const { 1 << N } != 0)
     }
 
     #[inline(always)]

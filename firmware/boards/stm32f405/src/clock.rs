@@ -6,16 +6,10 @@
 //! corrects the dividers that follow from them.
 
 use crate::board;
-use crate::waits::{HSI_HZ, becomes};
+pub(super) use crate::clocking::Pll;
+use crate::clocking::{HSI_HZ, becomes};
 use stm32f4xx_hal::pac::{DBGMCU, FLASH, RCC, TIM11};
 use trirrr_protocol::message::{Clock, Start};
-
-/// Settings of the PLL: the source is divided, then taken so many times.
-#[derive(Clone, Copy)]
-pub(super) struct Pll {
-    pub(super) divider: u8,
-    pub(super) factor: u16,
-}
 
 /// Of the internal oscillator, as of [`board::PLL`]: twice the clock of the core.
 const INTERNAL_PLL: Pll = Pll {

@@ -1,17 +1,17 @@
 //! Pins and ports of the chip.
 #![allow(unsafe_code)]
 
-pub(crate) use stm32f4xx_hal::gpio::{Input, Output, Pin, Pull};
+pub(crate) use stm32f4xx_hal::gpio::{Input as InputMode, Output as OutputMode, Pin, Pull};
 use stm32f4xx_hal::pac::{GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, gpioa};
 
 /// Registers of a port.
 #[derive(Clone, Copy)]
-pub(crate) struct Port(*const gpioa::RegisterBlock);
+pub(crate) struct PortRegisters(*const gpioa::RegisterBlock);
 
 // SAFETY: one write of BSRR changes no pin but those of its ones, and reading changes nothing, whatever runs beside it.
-unsafe impl Send for Port {}
+unsafe impl Send for PortRegisters {}
 
-impl Port {
+impl PortRegisters {
     /// The port of this letter.
     pub(crate) const fn of<const P: char>() -> Self {
         // All have the same registers; only their values in a reset differ.

@@ -1,6 +1,6 @@
-//! Parts of the chip, as the program takes them.
+//! ChipParts of the chip, as the program takes them.
 
-use crate::Parts;
+use crate::ChipParts;
 use crate::clock;
 pub(crate) use crate::timers::ToolCounter;
 use stm32f4xx_hal::pac::{
@@ -61,7 +61,7 @@ impl StoppedWatchdog {
 }
 
 /// Starts the clocks and hands out the rest.
-pub(crate) fn start(device: Peripherals) -> Parts {
+pub(crate) fn start(device: Peripherals) -> ChipParts {
     let start = cause_of_start(&device.RCC);
     #[cfg(outputs)]
     crate::protection::await_supply(&device.RCC, &device.PWR);
@@ -74,7 +74,7 @@ pub(crate) fn start(device: Peripherals) -> Parts {
     );
     #[cfg(outputs)]
     crate::protection::watch_supply(&device.EXTI);
-    Parts {
+    ChipParts {
         start,
         clock,
         clocks,

@@ -2,7 +2,7 @@
 #![allow(unsafe_code)]
 
 use crate::chip::Stm32f405;
-use crate::waits::becomes;
+use crate::clocking::becomes;
 use cortex_m::peripheral::NVIC;
 use stm32f4xx_hal::pac::{EXTI, Interrupt, PWR, RCC, interrupt};
 use trirrr_app::failure::end;

@@ -2,23 +2,17 @@
 //! dead crystal makes a slower or less exact board and not a dead one.
 
 use crate::board;
-use crate::waits::{HSI_HZ, becomes};
+pub(super) use crate::clocking::Pll;
+use crate::clocking::{HSI_HZ, becomes};
 use stm32_metapac::flash::vals::Latency;
 use stm32_metapac::rcc::vals::{Hpre, Pllm, Plln, Pllr, Pllsrc, Sw};
 use stm32_metapac::{FLASH, PWR, RCC};
 use trirrr_protocol::message::Clock;
 
-/// Settings of the PLL: the source is divided, then taken so many times.
-#[derive(Clone, Copy)]
-pub(super) struct Pll {
-    pub(super) divider: u8,
-    pub(super) factor: u8,
-}
-
 /// Of the internal oscillator, as of [`board::PLL`]: twice the clock of the core.
 const INTERNAL_PLL: Pll = Pll {
     divider: 4,
-    factor: (FAST.core / (HSI_HZ / 4) * 2) as u8,
+    factor: (FAST.core / (HSI_HZ / 4) * 2) as u16,
 };
 
 /// Rates of the clocks, Hz. No bus is slower than the core.
@@ -69,7 +63,7 @@ fn start_pll(crystal: bool) -> bool {
     RCC.pllcfgr().write(|w| {
         w.set_pllsrc(source);
         w.set_pllm(Pllm::from_bits(pll.divider - 1));
-        w.set_plln(Plln::from_bits(pll.factor));
+        w.set_plln(Plln::from_bits(pll.factor as u8));
         w.set_pllr(Pllr::DIV2);
         w.set_pllren(true);
     });

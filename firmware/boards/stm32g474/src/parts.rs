@@ -1,6 +1,6 @@
-//! Parts of the chip, as the program takes them.
+//! ChipParts of the chip, as the program takes them.
 
-use crate::Parts;
+use crate::ChipParts;
 use crate::clock;
 pub(crate) use crate::timers::{SlotRegisters, ToolCounter};
 pub(crate) use crate::watchdog::{StoppedWatchdog, Watchdog};
@@ -24,9 +24,10 @@ pub(crate) mod device {
 pub(crate) struct Rcc;
 
 /// The ports, of which [`Pins`](crate::board::Pins) takes those of the board file.
-pub(crate) struct Ports;
+pub(crate) struct PortClocks;
+pub(crate) use self::PortClocks as Ports;
 
-impl Ports {
+impl PortClocks {
     /// Switches the port of this letter on.
     pub(crate) fn switch_on(&self, port: char, _: &mut Rcc) {
         RCC.ahb2enr()
@@ -43,7 +44,7 @@ pub(crate) struct DrivePeripherals {
 }
 
 /// Starts the clocks and hands out the rest.
-pub(crate) fn start(_: device::Peripherals) -> Parts {
+pub(crate) fn start(_: device::Peripherals) -> ChipParts {
     let start = cause_of_start();
     RCC.apb1enr1().modify(|w| {
         w.set_pwren(true);
@@ -58,12 +59,12 @@ pub(crate) fn start(_: device::Peripherals) -> Parts {
     // Timers go on where a debugger holds the core: pulses of the tool. The watchdog ends them.
     DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(!cfg!(outputs)));
     let (clock, clocks) = clock::start();
-    Parts {
+    ChipParts {
         start,
         clock,
         clocks,
         rcc: Rcc,
-        ports: Ports,
+        ports: PortClocks,
         drives: DrivePeripherals {
             slots: stm32_metapac::TIM7,
             can: stm32_metapac::FDCAN1,

@@ -22,7 +22,7 @@ use trirrr_drives::can::{BitTiming, Bus, ClassicFrame};
 pub(super) static LOST: AtomicU32 = AtomicU32::new(0);
 
 /// CAN1 as the tick sees it: all three mailboxes, and the queue of what came in.
-pub(crate) struct Controller {
+pub(crate) struct BusController {
     can: CAN1,
     /// The start has not failed.
     runs: bool,
@@ -48,7 +48,7 @@ impl embedded_can::Error for Off {
 /// Reads of an acknowledgement that comes within a bit.
 const READS: u32 = 10_000;
 
-impl Controller {
+impl BusController {
     /// Timing of the scene's bits, none if the clock is no multiple of their rate.
     pub(super) fn timing(clocks: &Clocks) -> Option<BitTiming> {
         BitTiming::new(clocks.apb1, BIT_RATE_HZ)
@@ -177,7 +177,7 @@ fn count_lost() {
     LOST.fetch_add(1, Ordering::Relaxed);
 }
 
-impl embedded_can::nb::Can for Controller {
+impl embedded_can::nb::Can for BusController {
     type Frame = ClassicFrame;
     type Error = Off;
 
@@ -223,7 +223,7 @@ impl embedded_can::nb::Can for Controller {
     }
 }
 
-impl Bus for Controller {
+impl Bus for BusController {
     fn abort(&mut self) {
         if self.runs {
             self.can
