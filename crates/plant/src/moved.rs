@@ -24,10 +24,10 @@ impl MovedMachine {
     /// The machine is refused.
     pub fn build(scene: &Scene) -> Result<Self, Refusal> {
         let mut body: Box<dyn MovedBody> = match layout_of(scene).dimension() {
-            8 => Box::new(Body::<8>::build(scene)?),
-            11 => Box::new(Body::<11>::build(scene)?),
-            14 => Box::new(Body::<14>::build(scene)?),
-            _ => Box::new(Body::<17>::build(scene)?),
+            8 => Box::new(SizedBody::<8>::build(scene)?),
+            11 => Box::new(SizedBody::<11>::build(scene)?),
+            14 => Box::new(SizedBody::<14>::build(scene)?),
+            _ => Box::new(SizedBody::<17>::build(scene)?),
         };
         let angles = body.measure()?.map(|[angle, _]| angle);
         Ok(Self { body, angles })
@@ -58,7 +58,7 @@ trait MovedBody: Send {
     fn advance(&mut self, torques: [f64; 3], seconds: f64) -> Result<(), Refusal>;
 }
 
-struct Body<const D: usize> {
+struct SizedBody<const D: usize> {
     plant: Plant<D>,
     y: [f64; D],
     integrator: Integrator<D>,
@@ -67,7 +67,7 @@ struct Body<const D: usize> {
     stages: [Option<PowerStage>; 3],
 }
 
-impl<const D: usize> Body<D> {
+impl<const D: usize> SizedBody<D> {
     fn build(scene: &Scene) -> Result<Self, Refusal> {
         let (plant, y) = Plant::<D>::build(scene, Control::Held)?;
         let method = Method::DormandPrince {
@@ -91,7 +91,7 @@ impl<const D: usize> Body<D> {
     }
 }
 
-impl<const D: usize> MovedBody for Body<D> {
+impl<const D: usize> MovedBody for SizedBody<D> {
     fn measure(&mut self) -> Result<[[f64; 2]; 3], Refusal> {
         let measured = self.plant.measure(&self.y)?.measured;
         Ok(measured.map(|measured| [measured.angle, measured.rate]))
