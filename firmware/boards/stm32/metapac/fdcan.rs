@@ -16,7 +16,7 @@ use heapless::spsc::{Consumer, Producer};
 use stm32_metapac::can::Fdcan;
 use stm32_metapac::can::regs::{Rxgfc, Txbar, Txbcr};
 use stm32_metapac::can::vals::Tfqm;
-use stm32_metapac::{FDCANRAM1, Interrupt, interrupt};
+use stm32_metapac::{FDCAN1, FDCANRAM1, Interrupt, interrupt};
 use trirrr_app::scene::drive::BIT_RATE_HZ;
 #[cfg(not(drive = "moteus"))]
 pub(crate) use trirrr_drives::can::ClassicFrame as BusFrame;
@@ -39,7 +39,6 @@ pub(crate) struct BusController {
 
 /// FDCAN1 as its interrupt sees it: the places of received frames, and the queue.
 struct FrameReceiver {
-    can: Fdcan,
     frames: Producer<'static, BusFrame>,
 }
 
@@ -107,7 +106,7 @@ impl BusController {
         if !runs {
             defmt::error!("the CAN controller does not start");
         }
-        let receiver = FrameReceiver { can, frames };
+        let receiver = FrameReceiver { frames };
         free(|section| RECEIVER.borrow(section).set(Some(receiver)));
         // SAFETY: the interrupt has the registers of reception for itself, the tick those of transmission. No task
         // shares anything with the interrupt, so no lock has to keep it out.
@@ -190,19 +189,19 @@ impl FrameReceiver {
     /// Takes the frames that are there into the queue. One that comes meanwhile calls the interrupt again.
     #[inline(always)]
     fn run(&mut self) {
-        let flags = self.can.ir().read();
-        self.can.ir().write_value(flags);
+        let flags = FDCAN1.ir().read();
+        FDCAN1.ir().write_value(flags);
         if flags.rfl(0) {
             count_lost();
         }
         for _ in 0..3 {
-            let status = self.can.rxfs(0).read();
+            let status = FDCAN1.rxfs(0).read();
             if status.ffl() == 0 {
                 return;
             }
             let place = status.fgi();
             let frame = received(usize::from(place.min(2)) * PLACE);
-            self.can.rxfa(0).write(|w| w.set_fai(place));
+            FDCAN1.rxfa(0).write(|w| w.set_fai(place));
             if let Some(frame) = frame
                 && self.frames.enqueue(frame).is_err()
             {
