@@ -6,10 +6,11 @@ use std::path::Path;
 use std::process;
 
 /// Boards: package, Rust target, and linker script.
-const BOARDS: [(&str, &str, &str); 2] = [
-    // From cortex-m-rt. It includes `memory.x`, which the linker finds in the root of the workspace.
+const BOARDS: [(&str, &str, &str); 3] = [
+    // From cortex-m-rt. It includes `memory.x`, which the linker finds in the folder of the package.
     ("trirrr-stm32f405", "thumbv7em-none-eabihf", "link.x"),
-    // A whole one of its own: any `memory.x` would be that of the root.
+    // A whole one of its own: cortex-m-rt has none for its second stage.
+    ("trirrr-stm32g474", "thumbv7em-none-eabihf", "link.x"),
     ("trirrr-rp2040", "thumbv6m-none-eabi", "rp2040.x"),
 ];
 
@@ -28,6 +29,12 @@ fn build() -> Result<(), Box<dyn Error>> {
         let kinds = env::var(format!("{of_app}S"))?;
         println!("cargo:rustc-check-cfg=cfg({name}, values({kinds}))");
         println!("cargo:rustc-cfg={name}={:?}", env::var(of_app)?);
+    }
+    // Something that a failure has to switch off: drives or a tool.
+    println!("cargo:rustc-check-cfg=cfg(outputs)");
+    let has = |name: &str| env::var(name).is_ok_and(|kind| kind != "none");
+    if has("DEP_TRIRRR_APP_DRIVE") || has("DEP_TRIRRR_APP_TOOL") {
+        println!("cargo:rustc-cfg=outputs");
     }
     for name in ["homing", "brake", "feedback", "interlocks", "estop", "door"] {
         println!("cargo:rustc-check-cfg=cfg({name})");
@@ -59,7 +66,8 @@ fn link() -> Result<(), Box<dyn Error>> {
             own.display().to_string()
         }
         false => {
-            println!("cargo:rerun-if-changed={here}/../../../memory.x");
+            println!("cargo:rerun-if-changed={here}/memory.x");
+            println!("cargo:rustc-link-search={here}");
             (*script).to_owned()
         }
     };

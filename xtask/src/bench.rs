@@ -1,5 +1,5 @@
-//! `cargo xtask bench`: executes the flashed images of the STM32F405 with a model of the registers that they use, and checks their
-//! pins.
+//! `cargo xtask bench`: executes the flashed images of the STM32F405 and of the STM32G474 with a model of the registers that they use, and
+//! checks their pins.
 //!
 //! The bench is a workspace of its own, for it needs a C library: Unicorn, which takes cmake and libclang to build.
 
@@ -12,8 +12,19 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use trirrr_scene::{DriveKind, Scene};
 
-/// Scenes without names: a laser on steppers with an emergency stop, a longer job, drives with encoders, and no drives at all.
-const SCENES: [&str; 4] = ["inputs/guarded", "engraving", "bldc-massless", "thesis"];
+/// Board of the STM32G474 whose pins the bench knows.
+const G474_BOARD: &str = "nucleo-g474re";
+
+/// Scenes without names: a laser on steppers with an emergency stop, a longer job, drives with encoders, drives on a bus, the same
+/// on CAN FD, and no drives at all.
+const SCENES: [&str; 6] = [
+    "inputs/guarded",
+    "engraving",
+    "bldc-massless",
+    "plant-odrive",
+    "plant-moteus",
+    "thesis",
+];
 
 /// Number type of the images: the bench talks to them in it.
 const SCALAR: &str = "f32";
@@ -22,6 +33,9 @@ const SCALAR: &str = "f32";
 pub(crate) struct BenchArgs {
     /// Scenes, by name or file; without, a choice of those that are shipped
     scenes: Vec<String>,
+    /// Images for the STM32G474, whatever board the scene names
+    #[arg(long)]
+    g474: bool,
     /// Case to run, all without; repeat for more
     #[arg(long)]
     case: Vec<String>,
@@ -66,8 +80,16 @@ fn build() -> Result<PathBuf> {
 
 /// Runs the cases on the images of a scene.
 fn check(arguments: &BenchArgs, bench: &Path, scene: &SceneFile) -> Result<()> {
-    let image = Image::firmware(scene, SCALAR);
+    let board = Scene::read(&scene.path)?.board;
+    let is_for_g474 = arguments.g474 || board.as_deref() == Some(G474_BOARD);
+    let image = match is_for_g474 {
+        true => Image::g474(scene, SCALAR),
+        false => Image::firmware(scene, SCALAR),
+    };
     let mut command = Command::new(bench);
+    if is_for_g474 {
+        command.args(["--chip", "stm32g474"]);
+    }
     command.arg(&scene.path).arg(image.build()?);
     if has_steppers(scene)? {
         let panicking = image.build_as("-panic", |cargo| {

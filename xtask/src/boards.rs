@@ -5,12 +5,21 @@ use crate::elf::Memory;
 /// The target of the firmware for the STM32F405, which is emulated and measured for every scene.
 pub(crate) const FIRMWARE_TARGET: &str = "thumbv7em-none-eabihf";
 
-/// The STM32F405's memory, as in the `memory.x` of the root.
+/// The STM32F405's memory, as in its `memory.x`.
 pub(crate) const FIRMWARE_MEMORY: Memory = Memory {
     vectors: 0x0800_0000,
     flash: (0x0800_0000, 1024 * 1024),
     ram: (0x2000_0000, 128 * 1024),
 };
+
+/// The STM32G474's memory, as in its `memory.x`.
+pub(crate) const G474_MEMORY: Memory = Memory {
+    flash: (0x0800_0000, 512 * 1024),
+    ..FIRMWARE_MEMORY
+};
+
+/// The scene that takes a board with CAN FD.
+pub(crate) const G474_SCENE: &str = "scenes/plant-moteus.toml";
 
 /// The target of the firmware for the RP2040.
 pub(crate) const RP2040_TARGET: &str = "thumbv6m-none-eabi";

@@ -1,6 +1,6 @@
 //! `cargo xtask ci`: everything that CI checks, in order, up to the first failure.
 
-use crate::boards::{FIRMWARE_TARGET, RP2040_SCENE, RP2040_TARGET};
+use crate::boards::{FIRMWARE_TARGET, G474_SCENE, RP2040_SCENE};
 use crate::cores::CORES;
 use crate::image::{PROFILE, RUN_BEGAN};
 use crate::packages::{BARE_PACKAGES, DEVICE_PACKAGES, Package};
@@ -132,9 +132,11 @@ fn lints_of_devices() -> Vec<Step> {
         step.command
             .args(["--profile", PROFILE, "-p", package, "--target", target]);
         step.command.args(["--", "-Dwarnings"]);
-        if target == RP2040_TARGET {
-            // A scene with drives: without them there is less to check.
-            step.command.env("SCENE", RP2040_SCENE);
+        // Scenes with drives: without them there is less to check.
+        match package {
+            "trirrr-rp2040" => _ = step.command.env("SCENE", RP2040_SCENE),
+            "trirrr-stm32g474" => _ = step.command.env("SCENE", G474_SCENE),
+            _ => {}
         }
         step
     };
@@ -233,7 +235,7 @@ const EMULATED: [&str; 3] = [
 ];
 
 /// Figures of images against those that are checked in.
-fn figures() -> Result<[Step; 4]> {
+fn figures() -> Result<[Step; 5]> {
     let scenes = MEASURED.map(|scene| ["--scene", scene]).concat();
     let cores = CORES_MEASURED.map(|core| ["--core", core]).concat();
     let measured = |name: &str, chore: &str| {
@@ -247,6 +249,7 @@ fn figures() -> Result<[Step; 4]> {
         measured("modelled cycles", "cycles")?,
         // Builds the firmware too, for both boards, and checks that it can boot.
         measured("sizes", "size")?,
+        Step::chore("the image for the STM32G474", &["g474"])?,
     ])
 }
 

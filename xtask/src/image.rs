@@ -1,6 +1,7 @@
 //! Builds images for microcontrollers, by scene, number type and target.
 
-use crate::boards::{FIRMWARE_TARGET, RP2040_TARGET};
+use crate::boards::{FIRMWARE_MEMORY, FIRMWARE_TARGET, G474_MEMORY, RP2040_MEMORY, RP2040_TARGET};
+use crate::elf::Memory;
 use crate::repository::{SceneFile, cargo, target_directory};
 use anyhow::{Context, Result, bail, ensure};
 use std::collections::BTreeSet;
@@ -69,6 +70,26 @@ impl<'a> Image<'a> {
             scene,
             scalar,
             target: FIRMWARE_TARGET,
+        }
+    }
+
+    /// The image of the STM32G474 that is flashed.
+    pub(crate) fn g474(scene: &'a SceneFile, scalar: &'static str) -> Self {
+        Self {
+            package: "trirrr-stm32g474",
+            binary: "trirrr-firmware-g474",
+            scene,
+            scalar,
+            target: FIRMWARE_TARGET,
+        }
+    }
+
+    /// Memory of the board that the image is for.
+    pub(crate) fn memory(&self) -> Memory {
+        match self.package {
+            "trirrr-rp2040" => RP2040_MEMORY,
+            "trirrr-stm32g474" => G474_MEMORY,
+            _ => FIRMWARE_MEMORY,
         }
     }
 

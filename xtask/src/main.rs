@@ -17,6 +17,7 @@ mod house;
 mod image;
 mod insns;
 mod nightly;
+mod other_boards;
 mod packages;
 mod page;
 mod parallel;
@@ -56,6 +57,8 @@ enum Chore {
     Size(budget::Options),
     /// Build the firmware for the RP2040, check that it can boot, print its size
     Rp2040(rp2040::Rp2040Args),
+    /// Build the firmware for the STM32G474, check that it can boot, print its size
+    G474,
     /// Boot the firmware in QEMU, play jobs on it with every client, compare every sample
     Emulate(emulate::EmulateArgs),
     /// Execute the firmware with a model of its registers, check pins and times of drives and tool
@@ -91,6 +94,7 @@ fn main() -> anyhow::Result<()> {
         Chore::Footprints(arguments) => footprints::run(&arguments),
         Chore::Size(options) => size::run(&options),
         Chore::Rp2040(arguments) => rp2040::run(&arguments),
+        Chore::G474 => other_boards::g474(),
         Chore::Emulate(arguments) => emulate::run(&arguments),
         Chore::Bench(arguments) => bench::run(&arguments),
         Chore::Client => client::run(),

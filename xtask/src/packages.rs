@@ -7,9 +7,10 @@ use serde::Deserialize;
 use std::process::Command;
 
 /// The packages that are built for microcontrollers only; a host has nothing to check in them.
-pub(crate) const DEVICE_PACKAGES: [(&str, &str); 4] = [
+pub(crate) const DEVICE_PACKAGES: [(&str, &str); 5] = [
     ("trirrr-app", FIRMWARE_TARGET),
     ("trirrr-stm32f405", FIRMWARE_TARGET),
+    ("trirrr-stm32g474", FIRMWARE_TARGET),
     ("trirrr-rp2040", RP2040_TARGET),
     ("trirrr-insns", FIRMWARE_TARGET),
 ];

@@ -1,15 +1,10 @@
-//! `cargo xtask rp2040`: builds the firmware for the RP2040, checks that it can boot, that no interrupt
-//! panics and that it holds what its scene uses and no binary64, prints its size and how deep its stack gets.
-//!
-//! With `--run` it executes the image on rp2040js, a model of the chip from npm, plays the job of the scene there by `trirrr stream`,
+//! `cargo xtask rp2040 --run`: executes the image on rp2040js, a model of the chip from npm, plays the job of the scene there by `trirrr stream`,
 //! and checks the pins (`tests/rp2040`).
 
-use crate::boards::RP2040_SCENE;
-use crate::elf::Footprint;
 use crate::image::Image;
+use crate::other_boards;
 use crate::programs::{Programs, succeed};
-use crate::repository::{SceneFile, root, scenes_named, target_directory};
-use crate::size::measure_firmware;
+use crate::repository::{SceneFile, root, target_directory};
 use anyhow::{Context, Result, ensure};
 use serde_json::json;
 use std::f64::consts::TAU;
@@ -34,23 +29,16 @@ pub(crate) struct Rp2040Args {
 }
 
 pub(crate) fn run(arguments: &Rp2040Args) -> Result<()> {
-    let scenes = scenes_named(&[])?;
-    let scene = scenes.iter().find(|scene| is_for(scene));
-    let scene = scene.context(RP2040_SCENE)?;
-    let read = Scene::read(&scene.path)?;
-    let image = Image::rp2040(scene, of_scene(read.number));
-    let (Footprint { flash, ram }, stack) = measure_firmware(&image, &read)?;
-    println!(
-        "{RP2040_SCENE} for the RP2040: {flash} bytes of flash, {ram} of RAM, {stack} of stack at most"
-    );
+    let (file, scene) = other_boards::rp2040()?;
     match arguments.run {
-        true => execute(scene, &read, &image),
+        true => execute(&file, &scene),
         false => Ok(()),
     }
 }
 
 /// Executes the image on the model of the chip.
-fn execute(file: &SceneFile, scene: &Scene, image: &Image) -> Result<()> {
+fn execute(file: &SceneFile, scene: &Scene) -> Result<()> {
+    let image = Image::rp2040(file, of_scene(scene.number));
     let panicking = image.build_as("-panic", |cargo| {
         cargo
             .args(["--features", "fault-injection"])
@@ -135,9 +123,4 @@ fn settings(
         "ticks": scene.ticks() + 1,
         "watchdogS": (4.0 * tick_s).max(0.2),
     }))
-}
-
-/// Returns true if `scene` is the one that this board's image is measured with.
-pub(crate) fn is_for(scene: &SceneFile) -> bool {
-    scene.path.ends_with(RP2040_SCENE)
 }

@@ -5,14 +5,14 @@
 //! of the firmware are looked through for what its scene has no use for, and its code for how deep the
 //! stack gets and whether an interrupt may panic.
 
-use crate::boards::{FIRMWARE_MEMORY, FIRMWARE_TARGET, RP2040_MEMORY};
+use crate::boards::FIRMWARE_TARGET;
 use crate::budget::{BudgetRow, Ceiling, Options, hold_ceilings};
 use crate::callgraph;
 use crate::elf::{Footprint, check_boot, footprint, with_elf};
 use crate::image::Image;
+use crate::other_boards;
 use crate::parallel;
 use crate::repository::SceneFile;
-use crate::rp2040;
 use crate::symbols;
 use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
@@ -90,7 +90,7 @@ fn measure(
     }
     let own = of_scene(read.number);
     let mut boards = vec![Image::firmware(scene, own)];
-    if rp2040::is_for(scene) {
+    if other_boards::is_for_rp2040(scene) {
         boards.push(Image::rp2040(scene, own));
     }
     for image in boards {
@@ -106,12 +106,8 @@ fn measure(
 /// Builds and checks a board's image: its footprint, and the most that its stack takes.
 pub(crate) fn measure_firmware(image: &Image, scene: &Scene) -> Result<(Footprint, u32)> {
     let has_fpu = image.target == FIRMWARE_TARGET;
-    let memory = match has_fpu {
-        true => FIRMWARE_MEMORY,
-        false => RP2040_MEMORY,
-    };
     with_elf(&image.build()?, |elf| {
-        check_boot(elf, memory).context("it cannot boot")?;
+        check_boot(elf, image.memory()).context("it cannot boot")?;
         symbols::check(elf, scene, has_fpu)?;
         Ok((footprint(elf), callgraph::check_elf(elf)?.most))
     })

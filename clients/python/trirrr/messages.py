@@ -451,6 +451,7 @@ Clock = Enum(
     Internal=None,
     Slow=None,
     Emulated=None,
+    WrongCrystal=None,
 )
 
 Start = Enum(
@@ -461,6 +462,8 @@ Start = Enum(
     Panic={"file": array(BYTE, 32), "line": U32},
     HardFault=Registers,
     StackOverflow=Registers,
+    CrystalStopped=None,
+    LowSupply=None,
 )
 
 Board = Struct(

@@ -57,10 +57,6 @@ pub(crate) fn build<'l, N: Countable>(
         return Ok(None);
     };
     let cans = [first, second, third];
-    let controller = scene.controller.ok_or_else(|| Refusal::Scene {
-        key: "controller".into(),
-        reason: "missing: drives on a bus close their loops with its gains".into(),
-    })?;
     let bus = Parts {
         scene,
         cans: &cans,
@@ -68,6 +64,46 @@ pub(crate) fn build<'l, N: Countable>(
         units,
         start,
     };
+    let Some(models) = models(scene)? else {
+        return Ok(None);
+    };
+    Ok(Some(match (first.protocol, models) {
+        (CanProtocol::Mit(mit), BusModels::Classic(models)) => bus.join(mit_of(&mit), models)?,
+        (_, BusModels::Classic(models)) => bus.join(Odrive, models)?,
+        (_, BusModels::Flexible(models)) => {
+            let moteus = Moteus {
+                resolution: Resolution::Float,
+            };
+            bus.join(moteus, models)?
+        }
+    }))
+}
+
+/// Drives of a bus as state machines, by the frames of their protocol.
+pub enum BusModels {
+    /// Classic CAN.
+    Classic([Box<dyn DriveModel<8> + Send>; 3]),
+    /// CAN FD.
+    Flexible([Box<dyn DriveModel<64> + Send>; 3]),
+}
+
+/// Builds the models of the drives of `scene`; none if they are not on a bus.
+///
+/// # Errors
+/// [`Refusal::Scene`]: no controller.
+pub fn models(scene: &Scene) -> Result<Option<BusModels>, Refusal> {
+    let Some(drives) = &scene.drives else {
+        return Ok(None);
+    };
+    let cans = drives.each_ref().map(|drive| drive.can());
+    let [Some(first), Some(second), Some(third)] = cans else {
+        return Ok(None);
+    };
+    let cans = [first, second, third];
+    let controller = scene.controller.ok_or_else(|| Refusal::Scene {
+        key: "controller".into(),
+        reason: "missing: drives on a bus close their loops with its gains".into(),
+    })?;
     let servo = |leg: usize| {
         let Drive {
             gear_ratio,
@@ -88,24 +124,19 @@ pub(crate) fn build<'l, N: Countable>(
     let node = |leg: usize| cans[leg].node_id as u8;
     let watchdog_s = watch(scene).timeout_s;
     Ok(Some(match first.protocol {
-        CanProtocol::Odrive => bus.join(Odrive, |leg| {
+        CanProtocol::Odrive => BusModels::Classic([0, 1, 2].map(|leg| {
             let rate = cans[leg].messages_hz;
-            Box::new(OdriveModel::new(node(leg), servo(leg), rate, watchdog_s))
-        })?,
-        CanProtocol::Mit(mit) => {
-            let mit = mit_of(&mit);
-            bus.join(mit, |leg| {
-                Box::new(MitModel::new(node(leg), servo(leg), mit, watchdog_s))
-            })?
-        }
-        CanProtocol::Moteus => {
-            let moteus = Moteus {
-                resolution: Resolution::Float,
-            };
-            bus.join(moteus, |leg| {
-                Box::new(MoteusModel::new(node(leg), servo(leg), watchdog_s))
-            })?
-        }
+            let model = OdriveModel::new(node(leg), servo(leg), rate, watchdog_s);
+            Box::new(model) as Box<dyn DriveModel<8> + Send>
+        })),
+        CanProtocol::Mit(mit) => BusModels::Classic([0, 1, 2].map(|leg| {
+            let model = MitModel::new(node(leg), servo(leg), mit_of(&mit), watchdog_s);
+            Box::new(model) as Box<dyn DriveModel<8> + Send>
+        })),
+        CanProtocol::Moteus => BusModels::Flexible([0, 1, 2].map(|leg| {
+            let model = MoteusModel::new(node(leg), servo(leg), watchdog_s);
+            Box::new(model) as Box<dyn DriveModel<64> + Send>
+        })),
     }))
 }
 
@@ -119,11 +150,11 @@ struct Parts<'a> {
 }
 
 impl Parts<'_> {
-    /// Joins the drives of `model` with a board that talks `protocol`, and switches them on.
+    /// Joins the drives of `models` with a board that talks `protocol`, and switches them on.
     fn join<'l, N: Countable, P: Protocol + Send + 'l, const LONGEST: usize>(
         &self,
         protocol: P,
-        model: impl Fn(usize) -> Box<dyn DriveModel<LONGEST> + Send>,
+        models: [Box<dyn DriveModel<LONGEST> + Send>; 3],
     ) -> Result<Box<dyn SimulatedDrives<N> + 'l>, Refusal> {
         let Self {
             scene,
@@ -134,7 +165,7 @@ impl Parts<'_> {
         } = *self;
         let [first, ..] = cans;
         let rate_hz = scene.tick_rate_hz;
-        let medium = Medium::new(first.bit_rate_hz, [model(0), model(1), model(2)]);
+        let medium = Medium::new(first.bit_rate_hz, models);
         let medium = Arc::new(Mutex::new(medium));
         let scale = |leg: usize| {
             let drive = scene.drives.as_ref().map(|drives| drives[leg]);

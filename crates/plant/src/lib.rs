@@ -19,6 +19,7 @@
 //! | `sampling` | measurements of the drives, and their commands |
 //! | [`run`], [`job`], [`outcome`], `ledger` | a whole run, and its energies |
 //! | [`statistics`], [`table`] | results gathered over a run |
+//! | [`moved`] | the machine under torques from outside |
 //! | [`redundant`] | plant of a redundant machine: rigid bodies and sampled loops |
 // The example of the README is a test.
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
@@ -46,6 +47,7 @@ pub mod mechanics;
 mod method;
 pub mod model;
 pub mod motor;
+pub mod moved;
 pub mod outcome;
 pub mod outputs;
 pub mod path;
@@ -62,6 +64,7 @@ mod system;
 pub mod table;
 pub mod watch;
 
+pub use bus_drives::{BusModels, models as bus_models};
 pub use model::{Control, Plant, layout_of};
 pub use outcome::{EnergyLoss, Outcome, PlantEnd};
 pub use refusal::Refusal;

@@ -51,6 +51,8 @@ fn words(start: &Start) -> Words {
         }
         Start::HardFault(at) => put(HARD_FAULT, &registers(at)),
         Start::StackOverflow(at) => put(STACK_OVERFLOW, &registers(at)),
+        Start::CrystalStopped => put(CRYSTAL_STOPPED, &[]),
+        Start::LowSupply => put(LOW_SUPPLY, &[]),
         // The chip's reset flags tell these.
         Start::Power | Start::Reset | Start::Watchdog => {}
     }
@@ -63,6 +65,8 @@ fn words(start: &Start) -> Words {
 const PANIC: u32 = 1;
 const HARD_FAULT: u32 = 2;
 const STACK_OVERFLOW: u32 = 3;
+const CRYSTAL_STOPPED: u32 = 4;
+const LOW_SUPPLY: u32 = 5;
 
 fn registers(at: &Registers) -> [u32; 5] {
     [at.pc, at.lr, at.sp, at.status, at.address]
@@ -91,6 +95,8 @@ fn start(kept: &Words) -> Option<Start> {
         }
         HARD_FAULT => Some(Start::HardFault(registers)),
         STACK_OVERFLOW => Some(Start::StackOverflow(registers)),
+        CRYSTAL_STOPPED => Some(Start::CrystalStopped),
+        LOW_SUPPLY => Some(Start::LowSupply),
         _ => None,
     }
 }

@@ -66,7 +66,8 @@ pub fn panicked<C: Chip>(info: &PanicInfo) -> ! {
     end::<C>(&Start::Panic { file, line })
 }
 
-fn end<C: Chip>(start: &Start) -> ! {
+/// Ends the program with a cause: outputs off, the cause kept, a start anew.
+pub fn end<C: Chip>(start: &Start) -> ! {
     cortex_m::interrupt::disable();
     C::outputs_off();
     cause::keep(start);

@@ -170,6 +170,9 @@ fn log_start(board: &Board) {
         Clock::Crystal | Clock::Emulated | Clock::Host => {}
         Clock::Internal => defmt::warn!("the crystal does not start: internal oscillator and PLL"),
         Clock::Slow => defmt::warn!("no crystal and no PLL: internal oscillator"),
+        Clock::WrongCrystal => {
+            defmt::error!("check crystal_mhz of the board file: the crystal is another")
+        }
     }
     match &board.start {
         Start::Power | Start::Reset => {}
@@ -187,5 +190,7 @@ fn log_start(board: &Board) {
         Start::StackOverflow(at) => {
             defmt::error!("started after a stack overflow at {=u32:#x}", at.pc);
         }
+        Start::CrystalStopped => defmt::error!("started after the crystal stopped"),
+        Start::LowSupply => defmt::error!("started after the supply sagged"),
     }
 }

@@ -2,16 +2,19 @@
 //!
 //! `cargo xtask bench` builds the images and calls this program; `docs/bench.md` says what is checked and how exact it is.
 
+mod bus;
 mod cases;
 mod chip;
 mod cpu;
 mod host;
+mod rotors;
 mod time;
 mod trace;
 mod wiring;
 
 use anyhow::{Context, Result, ensure};
 use cases::{CASES, Case, Row, Subject};
+use chip::Kind;
 use clap::Parser;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -27,6 +30,9 @@ struct Arguments {
     /// Image of the scene that panics in its 50th tick
     #[arg(long)]
     panicking: Option<PathBuf>,
+    /// Chip that the image is for
+    #[arg(long, value_enum, default_value = "stm32f405")]
+    chip: Kind,
     /// Case to run; all without
     #[arg(long)]
     case: Vec<String>,
@@ -47,6 +53,7 @@ fn main() -> Result<()> {
     }
     let subject = Subject {
         scene: Scene::read(&arguments.scene)?,
+        kind: arguments.chip,
         image: arguments.image,
         panicking: arguments.panicking,
         dump: arguments.vcd,

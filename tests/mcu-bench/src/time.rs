@@ -1,11 +1,14 @@
 //! Time of the simulated board.
 
-/// Time in 1/1008 of a microsecond. All clocks of the board have whole periods: 6 at 168 MHz, 12 at 84 MHz, 24 at 42 MHz, 63 at
-/// 16 MHz.
+/// Time in 1/28560 of a microsecond. All clocks of the boards have whole periods: 170 at 168 MHz, 168 at 170 MHz, 340 at 84 MHz, 680 at
+/// 42 MHz, 1785 at 16 MHz.
 pub(crate) type Time = u64;
 
 /// Units of time in a second.
-pub(crate) const SECOND: Time = 1_008_000_000;
+pub(crate) const SECOND: Time = 28_560_000_000;
+
+/// Units of time in a microsecond.
+pub(crate) const MICROSECOND: Time = SECOND / 1_000_000;
 
 /// Units of time in a millisecond.
 pub(crate) const MS: Time = SECOND / 1000;

@@ -109,6 +109,7 @@ impl Trace {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::time::MICROSECOND;
 
     #[test]
     fn a_level_that_a_pin_has_is_no_edge() {
@@ -124,8 +125,8 @@ mod tests {
     #[test]
     fn a_dump_has_each_change_at_its_time_in_ns() {
         let mut trace = Trace::default();
-        trace.record(1008, Pin('A', 5), Level::High);
-        trace.record(2016, Pin('A', 5), Level::Floating);
+        trace.record(MICROSECOND, Pin('A', 5), Level::High);
+        trace.record(2 * MICROSECOND, Pin('A', 5), Level::Floating);
         let mut dump = Vec::new();
         trace
             .write_vcd(&[("tool", Pin('A', 5))], &mut dump)

@@ -1,5 +1,6 @@
 //! Pins of the board in one table, with the resistors and levels that `docs/board.md` asks of the wiring.
 
+use crate::chip::Kind;
 use crate::time::Time;
 use crate::trace::{Edge, Level, Pin, Trace};
 use trirrr_scene::{Drive, DriveKind, EnableLevel, FaultInput, Scene, ToolKind};
@@ -13,7 +14,12 @@ pub(crate) const SET_VALUES: [Pin; 3] = [Pin('C', 6), Pin('C', 7), Pin('C', 8)];
 /// Enable of all drives.
 pub(crate) const ENABLE: Pin = Pin('B', 12);
 /// Tool: level or PWM.
-pub(crate) const TOOL: Pin = Pin('A', 5);
+pub(crate) const fn tool(kind: Kind) -> Pin {
+    match kind {
+        Kind::Stm32f405 => Pin('A', 5),
+        Kind::Stm32g474 => Pin('A', 0),
+    }
+}
 /// Enable of the tool.
 pub(crate) const TOOL_ENABLE: Pin = Pin('A', 4);
 /// Contact of the emergency stop, to ground while it is released.
@@ -22,7 +28,7 @@ pub(crate) const STOP: Pin = Pin('A', 6);
 pub(crate) const DOOR: Pin = Pin('A', 7);
 
 /// Signals of a dump, with their pins.
-pub(crate) const SIGNALS: [(&str, Pin); 12] = [
+pub(crate) const SIGNALS: [(&str, Pin); 13] = [
     ("step 1", STEPS[0]),
     ("step 2", STEPS[1]),
     ("step 3", STEPS[2]),
@@ -33,7 +39,8 @@ pub(crate) const SIGNALS: [(&str, Pin); 12] = [
     ("set value 2", SET_VALUES[1]),
     ("set value 3", SET_VALUES[2]),
     ("enable", ENABLE),
-    ("tool", TOOL),
+    ("tool", tool(Kind::Stm32f405)),
+    ("tool of an STM32G474", tool(Kind::Stm32g474)),
     ("tool enable", TOOL_ENABLE),
 ];
 
@@ -95,7 +102,7 @@ fn is_high(level: EnableLevel) -> bool {
 }
 
 /// Returns the outputs of a scene that have to be off where the machine is: the enable lines, the tool, and the step lines.
-pub(crate) fn outputs(scene: &Scene) -> Vec<Output> {
+pub(crate) fn outputs(scene: &Scene, kind: Kind) -> Vec<Output> {
     let mut outputs = Vec::new();
     let mut add = |name, pin, on| outputs.push(Output { name, pin, on });
     match scene.drives.as_ref().map(|[first, ..]| &first.kind) {
@@ -109,7 +116,7 @@ pub(crate) fn outputs(scene: &Scene) -> Vec<Output> {
         Some(DriveKind::Can(_)) | None => {}
     }
     if let Some(tool) = &scene.tool {
-        add("tool", TOOL, !tool.inverted);
+        add("tool", self::tool(kind), !tool.inverted);
         if let ToolKind::Pwm {
             enable: Some(level),
             ..

@@ -14,6 +14,10 @@ pub fn clock(clock: Clock) -> Option<&'static str> {
             "neither the crystal nor the PLL starts: the internal oscillator serves, some 1 % off, \
              and the board is slow",
         ),
+        Clock::WrongCrystal => Some(
+            "the crystal has another frequency than crystal_mhz in the board file: check that key against the part on \
+             the board; the internal oscillator serves, some 1 % off",
+        ),
     }
 }
 
@@ -38,6 +42,11 @@ pub fn start(start: &Start) -> String {
         }
         Start::HardFault(registers) => format!("a hard fault{}", at(registers)),
         Start::StackOverflow(registers) => format!("its stack ran over{}", at(registers)),
+        Start::CrystalStopped => {
+            "its crystal stopped while it ran: the internal oscillator serves until the next reset"
+                .into()
+        }
+        Start::LowSupply => "the supply of its chip fell below 2.7 V".into(),
     }
 }
 

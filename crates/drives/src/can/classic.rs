@@ -91,9 +91,9 @@ impl Frame for ClassicFrame {
 pub struct BitTiming {
     /// Cycles of the controller's clock per quantum.
     pub prescaler: u32,
-    /// Quanta from the synchronisation to the sample, at most 16.
+    /// Quanta from the synchronisation to the sample, at most 16 in classic CAN.
     pub before_sample: u8,
-    /// Quanta from the sample to the end of the bit, at most 8.
+    /// Quanta from the sample to the end of the bit, at most 8 in classic CAN.
     pub after_sample: u8,
 }
 

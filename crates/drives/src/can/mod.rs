@@ -13,6 +13,7 @@
 //! that says [`Power::Clear`].
 
 mod classic;
+mod fd;
 mod heard;
 mod listener;
 mod load;
@@ -22,6 +23,7 @@ mod odrive;
 mod rotor;
 
 pub use classic::{BitTiming, ClassicFrame};
+pub use fd::{FdFrame, FdTiming, length_code, length_of};
 pub use heard::{Heard, Told};
 pub use load::{FRAME_BITS, frames_per_tick};
 pub use mit::{Answer, Mit, MitRanges};

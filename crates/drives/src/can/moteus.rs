@@ -68,6 +68,11 @@ const ANSWER: u32 = 0x8000;
 
 const MOTOR_NOT_CONFIGURED: f32 = 36.0;
 
+impl Moteus {
+    /// Rate of the bits in the data of a frame, Hz.
+    pub const DATA_RATE_HZ: u32 = 5_000_000;
+}
+
 impl Protocol for Moteus {
     const PREPARATION: u8 = 0;
 

@@ -19,7 +19,27 @@ pub struct WireFaults {
     pub lost_percent: u32,
     /// Frames to the board arrive so much later, ns.
     pub late_ns: u64,
+    /// The wire between the board and the drives is cut: neither hears the other.
+    pub is_cut: bool,
+    /// The two wires touch: a bit that is sent is not there, and no frame passes.
+    pub is_shorted: bool,
 }
+
+/// Event at the controller of the board, of a bus that is [stepped](Medium::step).
+#[derive(Clone, Debug, PartialEq)]
+pub enum ControllerEvent<const LONGEST: usize> {
+    /// The frame that was [offered](Medium::offer) has gone out, and a drive has acknowledged it.
+    Sent(BusFrame<LONGEST>),
+    /// No drive has acknowledged the frame.
+    NotAcknowledged,
+    /// The wire did not follow the bits of the controller.
+    BitError,
+    /// A drive's frame has come.
+    Received(BusFrame<LONGEST>),
+}
+
+/// Bits from a bit that is not there to the next attempt: start and error flag, its delimiter, the space between frames.
+const ERROR_BITS: u64 = 1 + 6 + 8 + 3;
 
 /// A frame under way.
 #[derive(Debug)]
@@ -28,6 +48,8 @@ struct Transfer<const LONGEST: usize> {
     /// The drive that sends; none for the board.
     from: Option<usize>,
     ends_ns: u64,
+    /// The wire does not follow.
+    is_error: bool,
 }
 
 /// A bus with a board and three drives.
@@ -39,6 +61,9 @@ pub struct Medium<const LONGEST: usize> {
     /// Frames for the board, with the times from which it has them.
     inbox: VecDeque<(u64, BusFrame<LONGEST>)>,
     transfer: Option<Transfer<LONGEST>>,
+    /// Events that [`step`](Self::step) gives out, with their times.
+    events: VecDeque<(u64, ControllerEvent<LONGEST>)>,
+    is_stepped: bool,
     drives: [Box<dyn DriveModel<LONGEST> + Send>; 3],
     /// Faults to inject.
     pub faults: WireFaults,
@@ -56,6 +81,8 @@ impl<const LONGEST: usize> Medium<LONGEST> {
             mailboxes: VecDeque::new(),
             inbox: VecDeque::new(),
             transfer: None,
+            events: VecDeque::new(),
+            is_stepped: false,
             drives,
             faults: WireFaults::default(),
             to_board: 0,
@@ -75,33 +102,85 @@ impl<const LONGEST: usize> Medium<LONGEST> {
 
     /// Lets the time go on to `until_ns`.
     pub fn advance(&mut self, until_ns: u64) {
-        loop {
-            if let Some(transfer) = self
-                .transfer
-                .take_if(|transfer| transfer.ends_ns <= until_ns)
-            {
-                self.now_ns = transfer.ends_ns;
-                self.deliver(transfer);
-            }
-            if self.transfer.is_some() {
-                break;
-            }
-            for drive in &mut self.drives {
-                drive.at(self.now_ns);
-            }
-            if self.begin() {
-                continue;
-            }
-            // Nothing to send: up to the next message of a drive.
-            let next = self.drives.iter().filter_map(|drive| drive.next_ns()).min();
-            match next {
-                Some(next) if next <= until_ns => self.now_ns = next.max(self.now_ns + 1),
-                _ => break,
-            }
+        while self.go_on(until_ns) {}
+        self.arrive(until_ns);
+    }
+
+    /// Lets the time go on to `until_ns`, or to the next event at the controller of the board: for one that
+    /// [offers](Self::offer) its frames itself, in place of an [`Endpoint`].
+    pub fn step(&mut self, until_ns: u64) -> Option<(u64, ControllerEvent<LONGEST>)> {
+        self.is_stepped = true;
+        while self.events.is_empty() && self.go_on(until_ns) {}
+        if self.events.is_empty() {
+            self.arrive(until_ns);
         }
+        self.events.pop_front()
+    }
+
+    /// Sets the frame with which the controller of the board takes part in the next arbitration. A frame under way goes on.
+    pub fn offer(&mut self, frame: Option<BusFrame<LONGEST>>) {
+        self.mailboxes.clear();
+        self.mailboxes.extend(frame);
+    }
+
+    /// Returns true while a frame of the board is under way.
+    pub fn is_sending(&self) -> bool {
+        let transfer = self.transfer.as_ref();
+        transfer.is_some_and(|transfer| transfer.from.is_none())
+    }
+
+    /// Returns the time until which nothing happens on the bus, ns; none if nothing will.
+    pub fn next_ns(&self) -> Option<u64> {
+        if let Some(transfer) = &self.transfer {
+            return Some(transfer.ends_ns);
+        }
+        if !self.mailboxes.is_empty() && !self.faults.board_is_off {
+            return Some(self.now_ns);
+        }
+        self.drives.iter().filter_map(|drive| drive.next_ns()).min()
+    }
+
+    /// Goes on by one frame, or to the next message of a drive. Returns false where nothing happens until `until_ns`.
+    fn go_on(&mut self, until_ns: u64) -> bool {
+        let ended = self
+            .transfer
+            .take_if(|transfer| transfer.ends_ns <= until_ns);
+        if let Some(transfer) = ended {
+            self.now_ns = transfer.ends_ns;
+            self.deliver(transfer);
+            return true;
+        }
+        if self.transfer.is_some() {
+            return false;
+        }
+        for drive in &mut self.drives {
+            drive.at(self.now_ns);
+        }
+        if self.begin() {
+            return true;
+        }
+        // Nothing to send: up to the next message of a drive.
+        let next = self.drives.iter().filter_map(|drive| drive.next_ns()).min();
+        match next {
+            Some(next) if next <= until_ns => {
+                self.now_ns = next.max(self.now_ns + 1);
+                true
+            }
+            _ => false,
+        }
+    }
+
+    fn arrive(&mut self, until_ns: u64) {
         self.now_ns = self.now_ns.max(until_ns);
         for drive in &mut self.drives {
             drive.at(self.now_ns);
+        }
+    }
+
+    /// Tells the controller of a bus that is stepped.
+    fn tell(&mut self, event: ControllerEvent<LONGEST>) {
+        if self.is_stepped {
+            self.events.push_back((self.now_ns, event));
         }
     }
 
@@ -109,8 +188,9 @@ impl<const LONGEST: usize> Medium<LONGEST> {
     fn begin(&mut self) -> bool {
         let of_board = self.mailboxes.front().filter(|_| !self.faults.board_is_off);
         let mut winner = of_board.map(|frame| (frame, None));
+        let is_error = self.faults.is_shorted;
         for (index, drive) in self.drives.iter().enumerate() {
-            if let Some(frame) = drive.waiting()
+            if let Some(frame) = drive.waiting().filter(|_| !is_error)
                 && winner.is_none_or(|(best, _)| frame.rank() < best.rank())
             {
                 winner = Some((frame, Some(index)));
@@ -120,12 +200,16 @@ impl<const LONGEST: usize> Medium<LONGEST> {
             return false;
         };
         let frame = frame.clone();
-        let duration_ns = frame.duration_ns(self.bit_rate_hz);
+        let duration_ns = match is_error {
+            true => ERROR_BITS * 1_000_000_000 / u64::from(self.bit_rate_hz.max(1)),
+            false => frame.duration_ns(self.bit_rate_hz),
+        };
         self.busy_ns += duration_ns;
         self.transfer = Some(Transfer {
             frame,
             from,
             ends_ns: self.now_ns + duration_ns,
+            is_error,
         });
         true
     }
@@ -136,18 +220,29 @@ impl<const LONGEST: usize> Medium<LONGEST> {
             frame,
             from,
             ends_ns,
+            is_error,
         } = transfer;
-        let mut acknowledged = from.is_some() && !self.faults.board_is_off;
+        if is_error {
+            self.tell(ControllerEvent::BitError);
+            return;
+        }
+        let board_hears = !self.faults.board_is_off && !self.faults.is_cut;
+        let mut acknowledged = from.is_some() && board_hears;
+        let drives_hear = from.is_some() || !self.faults.is_cut;
         for (index, drive) in self.drives.iter_mut().enumerate() {
-            if Some(index) != from && drive.is_alive() {
+            if Some(index) != from && drive.is_alive() && drives_hear {
                 acknowledged = true;
                 drive.receive(&frame, ends_ns);
             }
         }
         if !acknowledged {
+            if from.is_none() {
+                self.tell(ControllerEvent::NotAcknowledged);
+            }
             return;
         }
         let Some(sender) = from else {
+            self.tell(ControllerEvent::Sent(frame.clone()));
             // A frame that was dropped meanwhile is not there any more.
             if self.mailboxes.front() == Some(&frame) {
                 self.mailboxes.pop_front();
@@ -160,8 +255,11 @@ impl<const LONGEST: usize> Medium<LONGEST> {
         // Scattered by the golden ratio: in no step with the drives' cycles.
         let scattered = self.to_board.wrapping_mul(0x9E37_79B9) >> 16;
         let is_lost = (scattered * 100) >> 16 < faults.lost_percent;
-        if !is_lost && !faults.board_is_off {
-            self.inbox.push_back((ends_ns + faults.late_ns, frame));
+        if !is_lost && board_hears {
+            match self.is_stepped {
+                true => self.tell(ControllerEvent::Received(frame)),
+                false => self.inbox.push_back((ends_ns + faults.late_ns, frame)),
+            }
         }
     }
 }

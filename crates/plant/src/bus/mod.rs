@@ -7,7 +7,7 @@
 //! | [`MitModel`] | makers of actuators with the MIT mode |
 //!
 //! The board's side is [`Endpoint`], the bus of `trirrr_drives::can::CanDrives`: the code of an image talks to these
-//! drives. A model measures its rotor through an encoder and an observer, and computes torque by position, velocity and
+//! drives. A controller that is modelled by its registers [steps](Medium::step) the bus instead. A model measures its rotor through an encoder and an observer, and computes torque by position, velocity and
 //! the torque that it was told. Faults are injected by methods of [`DriveModel`], and on the wire by [`WireFaults`].
 
 mod frame;
@@ -18,7 +18,7 @@ mod moteus;
 mod odrive;
 
 pub use frame::BusFrame;
-pub use medium::{Endpoint, Medium, OffBus, WireFaults};
+pub use medium::{ControllerEvent, Endpoint, Medium, OffBus, WireFaults};
 pub use mit::MitModel;
 pub use model::{DriveModel, Servo};
 pub use moteus::MoteusModel;

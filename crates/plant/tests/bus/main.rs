@@ -5,4 +5,5 @@ mod faults;
 mod loops;
 mod sequence;
 mod service;
+mod stepped;
 mod traffic;

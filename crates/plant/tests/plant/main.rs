@@ -6,6 +6,7 @@ mod ends;
 mod energy;
 mod loops;
 mod methods;
+mod moved;
 mod reference;
 mod scenes;
 mod singularities;

@@ -44,6 +44,8 @@ pub enum Clock {
     Slow,
     /// An emulator's.
     Emulated,
+    /// The crystal runs at another frequency than that of the board file: the internal oscillator, at full speed.
+    WrongCrystal,
 }
 
 /// Reason of a board's start.
@@ -66,6 +68,10 @@ pub enum Start {
     HardFault(Registers),
     /// The same, for the stack had no room left.
     StackOverflow(Registers),
+    /// The crystal stopped while the board ran.
+    CrystalStopped,
+    /// The supply of the chip fell below the level at which its outputs are still what the program says.
+    LowSupply,
 }
 
 /// The processor at a fault.

@@ -8,7 +8,7 @@ use trirrr_app::failure::Chip;
 trirrr_app::failure_handlers!(Stm32f405);
 
 /// The microcontroller.
-struct Stm32f405;
+pub(crate) struct Stm32f405;
 
 impl Chip for Stm32f405 {
     /// As in `memory.x`.
@@ -32,24 +32,7 @@ impl Chip for Stm32f405 {
         cortex_m::peripheral::SCB::sys_reset()
     }
 
-    /// CFSR, and the address of the fault, or 0.
     fn fault_status() -> (u32, u32) {
-        const CFSR: *const u32 = 0xE000_ED28 as *const u32;
-        const MMFAR: *const u32 = 0xE000_ED34 as *const u32;
-        const BFAR: *const u32 = 0xE000_ED38 as *const u32;
-        // SAFETY: registers that every Cortex-M4 has; reading changes nothing.
-        let (status, memory, bus) = unsafe {
-            (
-                CFSR.read_volatile(),
-                MMFAR.read_volatile(),
-                BFAR.read_volatile(),
-            )
-        };
-        let address = match (status & 1 << 7 != 0, status & 1 << 15 != 0) {
-            (true, _) => memory,
-            (_, true) => bus,
-            _ => 0,
-        };
-        (status, address)
+        crate::fault_status::fault_status()
     }
 }

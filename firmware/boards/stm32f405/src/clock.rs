@@ -6,22 +6,10 @@
 //! corrects the dividers that follow from them.
 
 use crate::board;
-use stm32f4xx_hal::pac::{DBGMCU, FLASH, RCC};
-use trirrr_protocol::message::Clock;
-
-/// The internal oscillator, Hz.
-const HSI_HZ: u32 = 16_000_000;
-
-/// Reads of a ready flag before the wait ends: 100 ms at 16 MHz and some 10 cycles each. A crystal takes a few
-/// ms, the PLL a third of one.
-const READS: u32 = 160_000;
-
-/// Settings of the PLL: the source is divided, then taken so many times.
-#[derive(Clone, Copy)]
-pub(super) struct Pll {
-    pub(super) divider: u8,
-    pub(super) factor: u16,
-}
+pub(super) use crate::clocking::Pll;
+use crate::clocking::{HSI_HZ, becomes};
+use stm32f4xx_hal::pac::{DBGMCU, FLASH, RCC, TIM11};
+use trirrr_protocol::message::{Clock, Start};
 
 /// Of the internal oscillator, as of [`board::PLL`]: twice the clock of the core.
 const INTERNAL_PLL: Pll = Pll {
@@ -70,20 +58,81 @@ pub(super) const SLOW: Clocks = Clocks {
     timers: HSI_HZ,
 };
 
-/// Starts the crystal and the PLL, as far as both start.
-pub(super) fn start(rcc: &RCC, flash: &FLASH, debug: &DBGMCU) -> (Clock, Clocks) {
-    rcc.cr().modify(|_, w| w.hseon().set_bit());
-    let crystal = becomes(|| rcc.cr().read().hserdy().bit_is_set());
+/// Starts the crystal and the PLL, as far as both start. A crystal that stopped in the run before is left out: it may stop
+/// again.
+pub(super) fn start(
+    rcc: &RCC,
+    flash: &FLASH,
+    debug: &DBGMCU,
+    tim11: &TIM11,
+    start: &Start,
+) -> (Clock, Clocks) {
+    let has_stopped = *start == Start::CrystalStopped;
+    rcc.cr().modify(|_, w| w.hseon().bit(!has_stopped));
+    let runs = !has_stopped && becomes(|| rcc.cr().read().hserdy().bit_is_set());
+    let crystal = runs && is_right(rcc, tim11);
     if !crystal {
         rcc.cr().modify(|_, w| w.hseon().clear_bit());
     }
     match (crystal, start_pll(rcc, flash, crystal)) {
-        (true, true) => (Clock::Crystal, FAST),
+        (true, true) => {
+            // From here on a crystal that stops is an exception, and the core goes on from the internal oscillator.
+            #[cfg(outputs)]
+            rcc.cr().modify(|_, w| w.csson().set_bit());
+            (Clock::Crystal, FAST)
+        }
+        (false, true) if runs => (Clock::WrongCrystal, FAST),
         (false, true) => (Clock::Internal, FAST),
         // Only an emulator has no identity. Its core runs at full speed in any case.
         (_, false) if debug.idcode().read().bits() == 0 => (Clock::Emulated, FAST),
         (_, false) => (Clock::Slow, SLOW),
     }
+}
+
+/// Captures over which the crystal is measured, each after eight of its divided periods.
+const CAPTURES: u32 = 32;
+
+/// Counts of the internal oscillator in that time.
+const COUNTS: u32 = CAPTURES * 8 * (HSI_HZ / 1_000_000) * board::PLL.factor as u32 / 336;
+
+/// Measures the crystal with the internal oscillator: TIM11 counts periods of the core's clock between edges of the crystal's, divided
+/// as for the PLL (RM0090, chapters 7 and 19). Returns `false` if the crystal is not that of the board file.
+///
+/// The internal oscillator is 8 % slow to 4.5 % fast from -40 to 105 degrees Celsius (data sheet DS8626), so a crystal that is off less
+/// than that is not told from the right one.
+#[inline(never)]
+fn is_right(rcc: &RCC, tim11: &TIM11) -> bool {
+    rcc.apb2enr().modify(|_, w| w.tim11en().set_bit());
+    rcc.cfgr().modify(|_, w| w.rtcpre().set(board::PLL.divider));
+    // The input of channel 1 is the crystal's clock; one edge in eight is captured.
+    // SAFETY: 2 is the setting for it.
+    #[allow(unsafe_code)]
+    tim11.or().write(|w| unsafe { w.rmp().bits(2) });
+    tim11
+        .ccmr1_input()
+        .write(|w| w.cc1s().ti1().ic1psc().eight_events());
+    tim11.ccer().write(|w| w.cc1e().set_bit());
+    tim11.cr1().write(|w| w.cen().set_bit());
+    let mut first = 0;
+    let mut right = false;
+    for capture in 0..=CAPTURES {
+        let came = becomes(|| tim11.sr().read().cc1if().bit_is_set());
+        // Reading the capture clears its flag.
+        let at = tim11.ccr1().read().ccr().bits();
+        // An edge that was missed is one of a far faster crystal.
+        if !came || tim11.sr().read().cc1of().bit_is_set() {
+            break;
+        }
+        // The edge before the first one counted may have been any of eight.
+        if capture == 0 {
+            first = at;
+        }
+        let counts = u32::from(at.wrapping_sub(first));
+        right = capture == CAPTURES && (COUNTS * 91 / 100..=COUNTS * 1055 / 1000).contains(&counts);
+    }
+    tim11.cr1().reset();
+    rcc.apb2enr().modify(|_, w| w.tim11en().clear_bit());
+    right
 }
 
 /// Runs the core from the PLL, fed by the crystal or the internal oscillator (RM0090, 7.2.3 and 3.5.1), through 2. Returns
@@ -119,9 +168,4 @@ fn start_pll(rcc: &RCC, flash: &FLASH, crystal: bool) -> bool {
     // The switch to a locked PLL takes a few cycles.
     rcc.cfgr().modify(|_, w| w.sw().pll());
     true
-}
-
-/// Returns `true` once `is_so` does, `false` after [`READS`] calls.
-fn becomes(is_so: impl Fn() -> bool) -> bool {
-    (0..READS).any(|_| is_so())
 }

@@ -2,8 +2,9 @@
 
 mod rp2040;
 mod stm32f405;
+mod stm32g474;
 
-use super::clock::{ClockSettings, RP2040_CLOCK, STM32F405_CLOCK};
+use super::clock::{ClockSettings, RP2040_CLOCK, STM32F405_CLOCK, STM32G474_CLOCK};
 use super::role::Role;
 
 /// Family of chips with a firmware of its own.
@@ -11,12 +12,14 @@ use super::role::Role;
 pub enum Family {
     /// Package `trirrr-stm32f405`.
     Stm32f405,
+    /// Package `trirrr-stm32g474`.
+    Stm32g474,
     /// Package `trirrr-rp2040`.
     Rp2040,
 }
 
 impl Family {
-    const ALL: [Self; 2] = [Self::Stm32f405, Self::Rp2040];
+    const ALL: [Self; 3] = [Self::Stm32f405, Self::Stm32g474, Self::Rp2040];
 
     /// The family whose firmware is the package `name`.
     pub fn of_package(name: &str) -> Option<Self> {
@@ -29,6 +32,7 @@ impl Family {
     pub fn package(self) -> &'static str {
         match self {
             Self::Stm32f405 => "trirrr-stm32f405",
+            Self::Stm32g474 => "trirrr-stm32g474",
             Self::Rp2040 => "trirrr-rp2040",
         }
     }
@@ -37,6 +41,7 @@ impl Family {
     pub(super) fn command(self) -> &'static str {
         match self {
             Self::Stm32f405 => "cargo fw",
+            Self::Stm32g474 => "cargo fw-g474",
             Self::Rp2040 => "cargo fw-rp2040",
         }
     }
@@ -45,6 +50,7 @@ impl Family {
     pub(super) fn default_board(self) -> &'static str {
         match self {
             Self::Stm32f405 => "generic-f405",
+            Self::Stm32g474 => "nucleo-g474re",
             Self::Rp2040 => "pico",
         }
     }
@@ -53,6 +59,7 @@ impl Family {
     pub(super) fn clock(self) -> &'static ClockSettings {
         match self {
             Self::Stm32f405 => &STM32F405_CLOCK,
+            Self::Stm32g474 => &STM32G474_CLOCK,
             Self::Rp2040 => &RP2040_CLOCK,
         }
     }
@@ -93,9 +100,10 @@ pub struct Chip {
 }
 
 /// All chips.
-pub(super) const CHIPS: [&Chip; 3] = [
+pub(super) const CHIPS: [&Chip; 4] = [
     &stm32f405::STM32F405RG,
     &stm32f405::STM32F405VG,
+    &stm32g474::STM32G474RE,
     &rp2040::RP2040,
 ];
 

@@ -39,6 +39,21 @@ pub(super) const STM32F405_CLOCK: ClockSettings = ClockSettings {
     whole_mhz: false,
 };
 
+/// STM32G474: RM0440, 7.2.4, and the limits of the PLL in DS12288. The oscillator goes through 2 to the core.
+pub(super) const STM32G474_CLOCK: ClockSettings = ClockSettings {
+    core_hz: 170_000_000,
+    slot_timer_hz: 170_000_000,
+    // As long as those of the STM32F405, which has the same core.
+    slot_cycles: 134,
+    crystal_hz: (4_000_000, 48_000_000),
+    input_hz: (2_660_000, 16_000_000),
+    oscillator_hz: 340_000_000,
+    dividers: (1, 16),
+    factors: (8, 127),
+    preferred_hz: 4_000_000,
+    whole_mhz: false,
+};
+
 /// RP2040: data sheet, 2.16 and 2.18. The oscillator goes through 6 and 2 to the core. The watchdog counts microseconds by whole MHz.
 pub(super) const RP2040_CLOCK: ClockSettings = ClockSettings {
     core_hz: 125_000_000,
@@ -125,6 +140,8 @@ mod tests {
         // 168 / 14.7456 is 4375 / 384.
         assert_eq!(pll(14.7456), None);
         assert_eq!(pll(24.576), None);
+        assert_eq!(STM32G474_CLOCK.pll(24_000_000), of(6, 85));
+        assert_eq!(STM32G474_CLOCK.pll(8_000_000), of(2, 85));
         assert_eq!(RP2040_CLOCK.pll(12_000_000), of(1, 125));
         assert_eq!(RP2040_CLOCK.pll(7_000_000), None);
         assert_eq!(RP2040_CLOCK.pll(12_500_000), None);
@@ -132,7 +149,7 @@ mod tests {
 
     #[test]
     fn every_setting_is_within_the_limits_of_the_chip() {
-        for clock in [&STM32F405_CLOCK, &RP2040_CLOCK] {
+        for clock in [&STM32F405_CLOCK, &STM32G474_CLOCK, &RP2040_CLOCK] {
             let (least, most) = clock.crystal_hz;
             for crystal_hz in (least..=most).step_by(10_000) {
                 let Some(Pll { divider, factor }) = clock.pll(crystal_hz) else {

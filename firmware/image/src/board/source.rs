@@ -1,7 +1,7 @@
 //! Rust source of a board's pins, as the firmware includes it.
 
 mod rp2040;
-mod stm32f405;
+mod stm32;
 
 use super::chip::Family;
 use super::file::{BoardFile, WiredPin};
@@ -11,7 +11,7 @@ use super::role::Role;
 /// The pins that the image of a scene with these needs has, as types of its board's package, and the settings of the PLL.
 pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
     match board.chip.family {
-        Family::Stm32f405 => stm32f405::source(board, needs),
+        Family::Stm32f405 | Family::Stm32g474 => stm32::source(board, needs),
         Family::Rp2040 => rp2040::source(board, needs),
     }
 }
@@ -241,6 +241,26 @@ mod tests {
         ] {
             assert!(text.contains(part), "{part}: {text}");
         }
+    }
+
+    #[test]
+    fn a_nucleo_has_its_pins_and_no_ports_that_its_scene_leaves_alone() {
+        let needs = Needs {
+            drive: "moteus".into(),
+            ..Needs::default()
+        };
+        let text = of("nucleo-g474re", |text| text, &needs);
+        for part in [
+            "divider: 6, factor: 85",
+            "line_interrupt!(USART2);",
+            "pub(crate) type CanReceive = Pin<'A', 11>;",
+            "can_transmit: Pin::of_its_port(),",
+            "ports.switch_on('A', rcc);",
+            "line: stm32_metapac::USART2,",
+        ] {
+            assert!(text.contains(part), "{part}: {text}");
+        }
+        assert!(!text.contains("switch_on('C'"), "{text}");
     }
 
     #[test]

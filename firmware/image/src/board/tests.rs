@@ -204,7 +204,7 @@ fn a_board_of_another_chip_is_refused() {
     let text = refusal(changed("stm32f405rg", "stm32f407vg", &needs("none")));
     assert!(
         text.contains(
-            "chip = \"stm32f407vg\": must be one of \"stm32f405rg\", \"stm32f405vg\", \"rp2040\""
+            "chip = \"stm32f407vg\": must be one of \"stm32f405rg\", \"stm32f405vg\", \"stm32g474re\", \"rp2040\""
         ),
         "{text}"
     );
@@ -333,7 +333,10 @@ fn what_names_a_board_is_looked_for_in_order() {
 fn the_tables_of_the_manual_are_those_of_the_shipped_boards() {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let names = shipped_names(&root.join(FILES));
-    assert_eq!(names, ["feather-f405", "generic-f405", "pico"]);
+    assert_eq!(
+        names,
+        ["feather-f405", "generic-f405", "nucleo-g474re", "pico"]
+    );
     let path = root.join("docs/board.md");
     let mut text = fs::read_to_string(&path).expect("the manual");
     let before = text.clone();

@@ -1,7 +1,7 @@
 //! Failures in the middle of a job: the time until every output is off, and what the board says afterwards.
 
-use super::{CRYSTAL, OSCILLATOR_HZ, Row, Subject, fact, name, never_on, off_within};
-use crate::chip::{Crystal, ResetCause};
+use super::{OSCILLATOR_HZ, Row, Subject, fact, name, never_on, off_within};
+use crate::chip::ResetCause;
 use crate::cpu::{Board, Hang};
 use crate::time::{MS, Time, of_seconds, period};
 use crate::wiring;
@@ -86,7 +86,7 @@ pub(super) fn panic(subject: &Subject) -> Result<Vec<Row>> {
     let Some(image) = &subject.panicking else {
         return Ok(Vec::new());
     };
-    let mut board = subject.switch_on_with(image, CRYSTAL, OSCILLATOR_HZ[0])?;
+    let mut board = subject.switch_on_with(image, subject.kind.crystal(), OSCILLATOR_HZ[0])?;
     let mut host = subject.host(&mut board)?;
     // The host enables the machine, and the 50th tick panics.
     while board.resets.len() < 2 {
@@ -137,18 +137,14 @@ pub(super) fn hard_fault(subject: &Subject) -> Result<Vec<Row>> {
     )
 }
 
-/// A tick and a background that do not go on, and a crystal that dies, with the oscillator of the watchdog slow and fast.
+/// A tick and a background that do not go on, with the oscillator of the watchdog slow and fast.
 pub(super) fn watchdog(subject: &Subject) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
     type Failure = fn(&mut Board);
-    let failures: [(&str, Failure); 3] = [
+    let failures: [(&str, Failure); 2] = [
         ("tick hung", |board| board.hung = Some(Hang::Tick)),
         ("background hung", |board| {
             board.hung = Some(Hang::Background)
-        }),
-        ("crystal dies", |board| {
-            board.chip().clock.crystal = Crystal::Missing;
-            board.clock_stands = true;
         }),
     ];
     for (what, fail) in failures {
@@ -179,6 +175,92 @@ pub(super) fn watchdog(subject: &Subject) -> Result<Vec<Row>> {
     board.hung = None;
     board.run(board.now() + AFTER)?;
     rows.push(starts_with(subject, &mut board, "watchdog", "Watchdog")?);
+    Ok(rows)
+}
+
+/// The crystal stops in mid-move: the clock security system ends the program, and the board starts without the crystal.
+pub(super) fn clock(subject: &Subject) -> Result<Vec<Row>> {
+    let (mut board, _) = subject.in_mid_job(OSCILLATOR_HZ[0])?;
+    let since = board.now();
+    board.stop_crystal();
+    let mut rows = failed(
+        subject,
+        &mut board,
+        "clock",
+        since,
+        FAILS_WITHIN,
+        "CrystalStopped",
+    )?;
+    let mut host = subject.host(&mut board)?;
+    let now = board.now();
+    host.run(&mut board, now + 30 * MS)?;
+    let identity = host.client().identity();
+    let clock = identity.map_or("none".into(), |identity| {
+        format!("{:?}", identity.board.clock)
+    });
+    rows.push(fact("clock", "clock after the start", clock, "Internal"));
+    let outputs = subject.outputs();
+    let after = "after the crystal has stopped".into();
+    rows.push(never_on(
+        &board,
+        &outputs,
+        "clock",
+        after,
+        since + FAILS_WITHIN,
+    ));
+    Ok(rows)
+}
+
+/// The supply of the chip sags in mid-move, and stays low for a while: nothing is on until it is back, nor then.
+pub(super) fn supply(subject: &Subject) -> Result<Vec<Row>> {
+    let (mut board, _) = subject.in_mid_job(OSCILLATOR_HZ[0])?;
+    let outputs = subject.outputs();
+    let since = board.now();
+    board.chip().set_supply(2600);
+    board.run(since + AFTER)?;
+    let low = board.resets.len();
+    board.chip().set_supply(3300);
+    let mut rows = failed(
+        subject,
+        &mut board,
+        "supply",
+        since,
+        FAILS_WITHIN,
+        "LowSupply",
+    )?;
+    rows.push(fact(
+        "supply",
+        "starts anew while the supply is low",
+        (low > 2).to_string(),
+        "true",
+    ));
+    let after = "with the supply low and back".into();
+    rows.push(never_on(
+        &board,
+        &outputs,
+        "supply",
+        after,
+        since + FAILS_WITHIN,
+    ));
+    Ok(rows)
+}
+
+/// A debugger holds the core in mid-move: outputs stay until the watchdog bites.
+pub(super) fn halt(subject: &Subject) -> Result<Vec<Row>> {
+    let mut rows = Vec::new();
+    for oscillator_hz in OSCILLATOR_HZ {
+        let (mut board, _) = subject.in_mid_job(oscillator_hz)?;
+        let since = board.now();
+        let bound = board.chip().watchdog.timeout();
+        board.halted = true;
+        board.run(since + bound + AFTER)?;
+        let what = format!(
+            "core held by a debugger, oscillator of {} kHz",
+            oscillator_hz / 1000
+        );
+        let outputs = subject.outputs();
+        rows.push(off_within(&board, &outputs, "halt", &what, since, bound));
+    }
     Ok(rows)
 }
 

@@ -6,7 +6,7 @@ use crate::cpu::{Board, CYCLES_PER_INSTRUCTION};
 use crate::host::Host;
 use crate::time::{MS, SECOND, Time, seconds};
 use crate::trace::Level;
-use crate::wiring::{DIRECTIONS, ENABLE, SIGNALS, STEPS, TOOL};
+use crate::wiring::{self, DIRECTIONS, ENABLE, SIGNALS, STEPS};
 use anyhow::{Context, Result, anyhow, bail, ensure};
 use std::fs::File;
 use std::io::{BufWriter, Write};
@@ -15,7 +15,7 @@ use trirrr_protocol::message::Telemetry;
 use trirrr_scene::{DriveKind, ToolKind};
 
 /// Number that telemetry gives the first tick after the start.
-const FIRST_TICK: u32 = 1;
+pub(super) const FIRST_TICK: u32 = 1;
 
 /// Microsteps that a pulse may be away from the straight line between the positions of two ticks.
 const MOST_OFF: f64 = 1.0;
@@ -411,7 +411,7 @@ fn tool(subject: &Subject, board: &Board, played: &Played) -> Result<Vec<Row>> {
         return Ok(Vec::new());
     };
     let period = SECOND / Time::from(frequency_hz);
-    let edges = board.trace().edges(TOOL);
+    let edges = board.trace().edges(wiring::tool(subject.kind));
     let on = Level::of(!tool.inverted);
     let (mut compared, mut off, mut stray) = (0, 0.0_f64, 0);
     for pair in edges.windows(2) {

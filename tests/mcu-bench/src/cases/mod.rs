@@ -1,11 +1,12 @@
 //! Cases of the bench: each runs the image on a board of its own and gives rows of figures with their bounds.
 
 mod amplifiers;
+mod can;
 mod failures;
 mod job;
 mod power_up;
 
-use crate::chip::{Crystal, ResetCause};
+use crate::chip::{Crystal, Kind, ResetCause};
 use crate::cpu::Board;
 use crate::host::Host;
 use crate::time::{MS, SECOND, Time};
@@ -16,9 +17,6 @@ use trirrr_scene::{DriveKind, Scene};
 
 /// Clock of the watchdog's oscillator, Hz: typical, and the ends of the data sheet.
 pub(crate) const OSCILLATOR_HZ: [u64; 3] = [32_000, 47_000, 17_000];
-
-/// Crystal for which the image is built.
-const CRYSTAL: Crystal = Crystal::Runs { mhz: 8 };
 
 /// A figure of a case, and the bound that it has to keep.
 #[derive(Clone, Debug)]
@@ -33,6 +31,8 @@ pub(crate) struct Row {
 /// Scene with its images.
 pub(crate) struct Subject {
     pub(crate) scene: Scene,
+    /// Chip that the images are for.
+    pub(crate) kind: Kind,
     /// The image that is flashed.
     pub(crate) image: PathBuf,
     /// The same with a panic in its 50th tick.
@@ -46,7 +46,10 @@ pub(crate) struct Subject {
 pub(crate) enum Needs {
     Any,
     Steppers,
+    /// Steppers on a chip whose firmware sees its crystal stop and its supply sag.
+    Protection,
     Amplifiers,
+    Bus,
 }
 
 /// Case of the bench.
@@ -63,7 +66,7 @@ impl Case {
 }
 
 /// All cases.
-pub(crate) const CASES: [Case; 10] = [
+pub(crate) const CASES: [Case; 19] = [
     Case::of("power-up", Needs::Any, power_up::rest),
     Case::of("crystal", Needs::Any, power_up::crystal),
     Case::of("job", Needs::Steppers, job::run),
@@ -71,14 +74,23 @@ pub(crate) const CASES: [Case; 10] = [
     Case::of("panic", Needs::Steppers, failures::panic),
     Case::of("hard-fault", Needs::Steppers, failures::hard_fault),
     Case::of("watchdog", Needs::Steppers, failures::watchdog),
+    Case::of("clock", Needs::Protection, failures::clock),
+    Case::of("supply", Needs::Protection, failures::supply),
+    Case::of("halt", Needs::Steppers, failures::halt),
     Case::of("cable", Needs::Steppers, failures::cable),
-    Case::of("amplifiers", Needs::Amplifiers, amplifiers::blocked),
+    Case::of("amplifiers", Needs::Amplifiers, amplifiers::moving),
+    Case::of("blocked", Needs::Amplifiers, amplifiers::blocked),
+    Case::of("encoder", Needs::Amplifiers, amplifiers::broken_wire),
+    Case::of("can", Needs::Bus, can::job),
+    Case::of("bus-clock", Needs::Bus, can::without_crystal),
+    Case::of("bus-off", Needs::Bus, can::wire),
+    Case::of("drive", Needs::Bus, can::drive),
     Case::of("stop", Needs::Steppers, failures::stop),
 ];
 
 impl Subject {
     fn switch_on(&self) -> Result<Board> {
-        self.switch_on_with(&self.image, CRYSTAL, OSCILLATOR_HZ[0])
+        self.switch_on_with(&self.image, self.kind.crystal(), OSCILLATOR_HZ[0])
     }
 
     fn switch_on_with(
@@ -87,7 +99,10 @@ impl Subject {
         crystal: Crystal,
         oscillator_hz: u64,
     ) -> Result<Board> {
-        let mut board = Board::switch_on(image, crystal, oscillator_hz)?;
+        let mut board = Board::switch_on(self.kind, image, crystal, oscillator_hz)?;
+        if self.has(Needs::Bus) {
+            board.chip().bus = Some(crate::bus::of_scene(&self.scene)?);
+        }
         // Contacts to ground: released, and closed.
         for pin in [wiring::STOP, wiring::DOOR] {
             board.chip().drive(pin, Some(false));
@@ -111,12 +126,17 @@ impl Subject {
         match needs {
             Needs::Any => true,
             Needs::Steppers => matches!(kind, Some(DriveKind::Stepper(_))),
+            Needs::Protection => self.has(Needs::Steppers) && self.kind == Kind::Stm32f405,
             Needs::Amplifiers => matches!(kind, Some(DriveKind::Bldc(_))),
+            // The loops of simulated drives take the gains of the scene.
+            Needs::Bus => {
+                matches!(kind, Some(DriveKind::Can(_))) && self.scene.controller.is_some()
+            }
         }
     }
 
     fn outputs(&self) -> Vec<Output> {
-        wiring::outputs(&self.scene)
+        wiring::outputs(&self.scene, self.kind)
     }
 
     /// Longest time that the job may take, with what comes before.
@@ -127,7 +147,7 @@ impl Subject {
 
     /// Returns a board in the middle of its job, with drives on and steps, and its host.
     fn in_mid_job(&self, oscillator_hz: u64) -> Result<(Board, Host)> {
-        let mut board = self.switch_on_with(&self.image, CRYSTAL, oscillator_hz)?;
+        let mut board = self.switch_on_with(&self.image, self.kind.crystal(), oscillator_hz)?;
         let mut host = self.host(&mut board)?;
         while step_edges(&board) < 20 {
             let now = board.now();

@@ -1,7 +1,7 @@
 //! From power-on to a host, and with other crystals.
 
 use super::{OSCILLATOR_HZ, Row, Subject, fact, name, never_on};
-use crate::chip::{Crystal, ResetCause};
+use crate::chip::{Crystal, Kind, ResetCause};
 use crate::host::BAUD;
 use crate::time::MS;
 use anyhow::{Result, ensure};
@@ -39,6 +39,8 @@ pub(super) fn rest(subject: &Subject) -> Result<Vec<Row>> {
             .map(|identity| identity.board.start);
         let expected = match cause {
             ResetCause::Power => Start::Power,
+            // Power-on and brown-out have one flag there.
+            ResetCause::BrownOut if subject.kind == Kind::Stm32g474 => Start::Power,
             ResetCause::Watchdog => Start::Watchdog,
             _ => Start::Reset,
         };
@@ -57,11 +59,28 @@ pub(super) fn rest(subject: &Subject) -> Result<Vec<Row>> {
 /// Clock and baud rate with the crystal, without, and with one that dies at speed.
 pub(super) fn crystal(subject: &Subject) -> Result<Vec<Row>> {
     let mut rows = Vec::new();
-    let boots = [
-        ("crystal of 8 MHz", Crystal::Runs { mhz: 8 }, "Crystal"),
+    let right = subject.kind.crystal();
+    let boots: [(&str, Crystal, &str); 5] = [
+        ("crystal as in the board file", right, "Crystal"),
         ("crystal missing", Crystal::Missing, "Internal"),
+        (
+            "crystal of 12 MHz",
+            Crystal::Runs { mhz: 12 },
+            "WrongCrystal",
+        ),
+        ("crystal of 6 MHz", Crystal::Runs { mhz: 6 }, "WrongCrystal"),
+        (
+            "crystal of 26 MHz",
+            Crystal::Runs { mhz: 26 },
+            "WrongCrystal",
+        ),
     ];
-    for (what, crystal, expected) in boots {
+    // Only the STM32F405 measures its crystal.
+    let count = match subject.kind {
+        Kind::Stm32f405 => boots.len(),
+        Kind::Stm32g474 => 2,
+    };
+    for (what, crystal, expected) in boots.into_iter().take(count) {
         let mut board = subject.switch_on_with(&subject.image, crystal, OSCILLATOR_HZ[0])?;
         let mut host = subject.host(&mut board)?;
         let now = board.now();

@@ -62,6 +62,7 @@ impl Clocks {
     }
 }
 
+#[derive(Clone, Debug)]
 pub(crate) struct ClockControl {
     pub(crate) crystal: Crystal,
     control: u32,
@@ -74,6 +75,10 @@ pub(crate) struct ClockControl {
 
 const HSE_ON: u32 = 1 << 16;
 const PLL_ON: u32 = 1 << 24;
+/// Clock security system.
+const SECURITY_ON: u32 = 1 << 19;
+/// The PLL runs from the crystal.
+const PLL_OF_CRYSTAL: u32 = 1 << 22;
 
 impl ClockControl {
     pub(crate) fn new(crystal: Crystal) -> Self {
@@ -106,8 +111,43 @@ impl ClockControl {
 
     /// The PLL locks only to a clock that runs.
     fn pll_is_ready(&self, now: Time) -> bool {
-        let has_source = self.pll & 1 << 22 == 0 || self.crystal_is_ready(now);
+        let has_source = self.pll & PLL_OF_CRYSTAL == 0 || self.crystal_is_ready(now);
         self.control & PLL_ON != 0 && has_source && now >= self.pll_since + LOCK
+    }
+
+    /// Returns true if the core's clock comes from the crystal.
+    pub(crate) fn is_fed_by_crystal(&self) -> bool {
+        match self.configuration & 3 {
+            1 => true,
+            2 => self.pll & PLL_OF_CRYSTAL != 0,
+            _ => false,
+        }
+    }
+
+    /// The crystal stops. Returns true if the clock security system puts the core on the internal oscillator for it.
+    pub(crate) fn stop_crystal(&mut self) -> bool {
+        self.crystal = Crystal::Missing;
+        let sees = self.control & (SECURITY_ON | HSE_ON) == SECURITY_ON | HSE_ON;
+        if sees {
+            if self.is_fed_by_crystal() {
+                self.configuration &= !3;
+            }
+            self.control &= !HSE_ON;
+            if self.pll & PLL_OF_CRYSTAL != 0 {
+                self.control &= !PLL_ON;
+            }
+        }
+        sees
+    }
+
+    /// Returns the period of the crystal's clock behind the divider for the real-time clock, once it is ready.
+    pub(crate) fn divided_crystal(&self, now: Time) -> Option<Time> {
+        let Crystal::Runs { mhz } = self.crystal else {
+            return None;
+        };
+        let divider = Time::from(self.configuration >> 16 & 31);
+        (self.crystal_is_ready(now) && divider > 1)
+            .then(|| divider * period(u64::from(mhz) * 1_000_000))
     }
 
     pub(crate) fn read(&self, offset: u32, now: Time) -> Option<u32> {
@@ -157,7 +197,7 @@ impl ClockControl {
         let core_hz = match self.configuration & 3 {
             1 => crystal_hz,
             2 => {
-                let from = if self.pll & 1 << 22 != 0 {
+                let from = if self.pll & PLL_OF_CRYSTAL != 0 {
                     crystal_hz
                 } else {
                     HSI_HZ
@@ -200,14 +240,14 @@ mod tests {
     fn a_crystal_of_8_mhz_makes_168() {
         let control = started(Crystal::Runs { mhz: 8 }, CRYSTAL_START);
         let Clocks { core, apb1, apb2 } = control.clocks();
-        assert_eq!((core, apb1, apb2), (6, 24, 12));
-        assert_eq!(control.clocks().timers(apb1), 12);
+        assert_eq!((core, apb1, apb2), (170, 680, 340));
+        assert_eq!(control.clocks().timers(apb1), 340);
     }
 
     #[test]
     fn a_wrong_crystal_makes_a_wrong_clock() {
         // 12 MHz for 8: the core has 252 MHz.
-        assert_eq!(started(Crystal::Runs { mhz: 12 }, 0).clocks().core, 4);
+        assert_eq!(started(Crystal::Runs { mhz: 12 }, 0).clocks().core, 113);
     }
 
     #[test]
@@ -218,6 +258,16 @@ mod tests {
         let control = started(Crystal::Runs { mhz: 8 }, CRYSTAL_START);
         let of = |now| control.read(0, now).expect("a register") >> 25 & 1;
         assert_eq!((of(CRYSTAL_START), of(CRYSTAL_START + LOCK)), (0, 1));
+    }
+
+    #[test]
+    fn the_security_system_puts_the_core_on_the_internal_oscillator() {
+        let mut control = started(Crystal::Runs { mhz: 8 }, CRYSTAL_START);
+        assert!(!control.clone().stop_crystal());
+        control.write(0x00, 0x83 | HSE_ON | PLL_ON | SECURITY_ON, CRYSTAL_START);
+        assert!(control.is_fed_by_crystal() && control.stop_crystal());
+        assert!(!control.is_fed_by_crystal());
+        assert_eq!(control.clocks().core, 63);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 use crate::time::Time;
 
 /// Numbers of exceptions.
+pub(crate) const NMI: u16 = 2;
 pub(crate) const HARD_FAULT: u16 = 3;
 const PEND_SV: u16 = 14;
 pub(crate) const SYS_TICK: u16 = 15;
@@ -28,6 +29,8 @@ pub(crate) struct Interrupts {
     priorities: [u8; INTERRUPTS as usize],
     /// Priorities of the exceptions 4 to 15.
     system: [u8; 12],
+    /// The crystal has stopped.
+    fails: bool,
     tick_pended: bool,
     software_pended: bool,
     /// Exceptions that are being handled, the last one on top.
@@ -101,6 +104,7 @@ impl Interrupts {
             lines: [0; 3],
             priorities: [0; INTERRUPTS as usize],
             system: [0; 12],
+            fails: false,
             tick_pended: false,
             software_pended: false,
             active: Vec::new(),
@@ -122,6 +126,11 @@ impl Interrupts {
         }
     }
 
+    /// Pends the exception that nothing masks.
+    pub(crate) fn fail(&mut self) {
+        self.fails = true;
+    }
+
     pub(crate) fn advance(&mut self, now: Time, core: Time) {
         self.tick_pended |= self.tick.advance(now, core);
     }
@@ -133,22 +142,26 @@ impl Interrupts {
 
     /// Returns true if HardFault is being handled: another fault locks the processor up.
     pub(crate) fn is_in_hard_fault(&self) -> bool {
-        self.active.contains(&HARD_FAULT)
+        self.active
+            .iter()
+            .any(|active| [NMI, HARD_FAULT].contains(active))
     }
 
     fn priority(&self, exception: u16) -> u16 {
         match exception {
-            HARD_FAULT => 0,
-            4..=15 => 1 + u16::from(self.system[usize::from(exception) - 4] & PRIORITY_BITS),
+            NMI => 0,
+            HARD_FAULT => 1,
+            4..=15 => 2 + u16::from(self.system[usize::from(exception) - 4] & PRIORITY_BITS),
             _ => {
                 let interrupt = usize::from(exception - FIRST_INTERRUPT);
-                1 + u16::from(self.priorities[interrupt] & PRIORITY_BITS)
+                2 + u16::from(self.priorities[interrupt] & PRIORITY_BITS)
             }
         }
     }
 
     fn is_pending(&self, exception: u16) -> bool {
         match exception {
+            NMI => self.fails,
             PEND_SV => self.software_pended,
             SYS_TICK => self.tick_pended,
             _ => {
@@ -164,7 +177,10 @@ impl Interrupts {
     /// Returns true if any exception is pending, whether it may preempt or not.
     fn any_pending(&self) -> bool {
         let masked = |word: usize| self.enabled[word] & (self.pended[word] | self.lines[word]);
-        self.tick_pended || self.software_pended || (0..3).any(|word| masked(word) != 0)
+        self.fails
+            || self.tick_pended
+            || self.software_pended
+            || (0..3).any(|word| masked(word) != 0)
     }
 
     /// Returns the exception that preempts what runs now, if the masks let it.
@@ -178,7 +194,7 @@ impl Interrupts {
             .map(|active| self.priority(*active))
             .min();
         let running = running.unwrap_or(THREAD);
-        let all = [PEND_SV, SYS_TICK]
+        let all = [NMI, PEND_SV, SYS_TICK]
             .into_iter()
             .chain(FIRST_INTERRUPT..FIRST_INTERRUPT + INTERRUPTS);
         all.filter(|exception| self.is_pending(*exception))
@@ -188,11 +204,12 @@ impl Interrupts {
 
     /// Returns true if `exception` passes the mask of priorities, of which 0 masks nothing.
     pub(crate) fn passes(&self, exception: u16, base_priority: u32) -> bool {
-        base_priority == 0 || u32::from(self.priority(exception) - 1) < base_priority & 0xF0
+        base_priority == 0 || u32::from(self.priority(exception) - 2) < base_priority & 0xF0
     }
 
     pub(crate) fn enter(&mut self, exception: u16) {
         match exception {
+            NMI => self.fails = false,
             PEND_SV => self.software_pended = false,
             SYS_TICK => self.tick_pended = false,
             FIRST_INTERRUPT.. => {

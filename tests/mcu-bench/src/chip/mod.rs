@@ -2,22 +2,34 @@
 //!
 //! Registers that the image touches and that are not here are an error of the bench, not memory: [`Chip::unknown`].
 
+mod bxcan;
+mod capture;
 mod clock;
+mod fdcan;
+mod g474;
 mod interrupts;
 mod port;
 mod serial;
+mod supply;
 mod timer;
 mod watchdog;
 
 pub(crate) use clock::{ClockControl, Clocks, Crystal, ResetCause};
-pub(crate) use interrupts::{HARD_FAULT, Interrupts, SYS_TICK};
+pub(crate) use interrupts::{HARD_FAULT, Interrupts, NMI, SYS_TICK};
 pub(crate) use port::{Mode, Port};
 pub(crate) use serial::Serial;
 
+use crate::bus::CanBus;
+use crate::rotors::Rotors;
 use crate::time::Time;
 use crate::trace::{Level, Pin, Trace};
+use crate::wiring;
+use bxcan::BxCan;
+use fdcan::FdCan;
+use capture::CrystalCapture;
 use interrupts::Effect;
 use std::collections::{BTreeMap, BTreeSet};
+use supply::Supply;
 use timer::Timer;
 use watchdog::Watchdog;
 
@@ -44,21 +56,24 @@ const SERIALS: [(u32, u16); 2] = [(0x4000_4400, 38), (0x4000_4800, 39)];
 const LINE: usize = 0;
 
 /// Pins of channels of timers: pin, alternate function, timer, channel.
-const CHANNELS: [(Pin, u8, u8, u8); 4] = [
+const CHANNELS: [(Pin, u8, u8, u8); 5] = [
+    (Pin('A', 0), 1, 2, 0),
     (Pin('A', 5), 1, 2, 0),
     (Pin('C', 6), 2, 3, 0),
     (Pin('C', 7), 2, 3, 1),
     (Pin('C', 8), 2, 3, 2),
 ];
 
+/// Timers with encoders of motor 1, 2, 3, and the one with the set values.
+const ENCODERS: [u8; 3] = [1, 4, 5];
+const SET_VALUE_TIMER: u8 = 3;
+
 /// Registers that hold what is written and do nothing that the bench shows: address and bytes.
-const HELD: [(u32, u32); 6] = [
+const HELD: [(u32, u32); 5] = [
     // RCC: resets and clocks of peripherals, and in standby.
     (0x4002_3810, 0x60),
     // Flash: wait states and caches. The model of time has them in its mean.
     (0x4002_3C00, 0x18),
-    // PWR.
-    (0x4000_7000, 8),
     // DBGMCU: what stands still under a debugger.
     (0xE004_2004, 12),
     // FPU: lazy stacking.
@@ -69,9 +84,31 @@ const HELD: [(u32, u32); 6] = [
 
 const RESET_OF_PORTS: u32 = 0x4002_3810;
 const RESETS_OF_APB1: u32 = 0x4002_3820;
+const CAN1: u32 = 1 << 25;
 const IDENTITY: u32 = 0xE004_2000;
+/// DBGMCU_APB1_FZ, and its bit for the watchdog.
+const STANDS_AT_HALT: u32 = 0xE004_2008;
+const WATCHDOG_STANDS: u32 = 1 << 12;
+
+/// Chip that the bench models.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Kind {
+    Stm32f405,
+    Stm32g474,
+}
+
+impl Kind {
+    /// Returns the crystal for which images are built: that of the generic board, or of the Nucleo.
+    pub(crate) fn crystal(self) -> Crystal {
+        match self {
+            Self::Stm32f405 => Crystal::Runs { mhz: 8 },
+            Self::Stm32g474 => Crystal::Runs { mhz: 24 },
+        }
+    }
+}
 
 pub(crate) struct Chip {
+    kind: Kind,
     pub(crate) now: Time,
     /// Time at which the processor has to look at the chip again.
     pub(crate) stop_at: Time,
@@ -82,6 +119,14 @@ pub(crate) struct Chip {
     timers: Vec<Timer>,
     serials: [Serial; 2],
     pub(crate) watchdog: Watchdog,
+    capture: CrystalCapture,
+    /// Machine behind amplifiers and encoders, with the level at which they are on.
+    pub(crate) rotors: Option<(Rotors, bool)>,
+    can: BxCan,
+    fd_can: FdCan,
+    /// Bus at the controller.
+    pub(crate) bus: Option<Box<dyn CanBus>>,
+    supply: Supply,
     held: BTreeMap<u32, u32>,
     /// Accesses to registers that are not modelled.
     pub(crate) unknown: BTreeSet<String>,
@@ -92,19 +137,30 @@ pub(crate) struct Chip {
 
 impl Chip {
     /// Creates a chip whose watchdog's oscillator has so many Hz.
-    pub(crate) fn new(crystal: Crystal, oscillator_hz: u64) -> Self {
+    pub(crate) fn new(kind: Kind, crystal: Crystal, oscillator_hz: u64) -> Self {
         let clock = ClockControl::new(crystal);
         let clocks = clock.clocks();
+        let port = |name| match kind {
+            Kind::Stm32f405 => Port::new(name),
+            Kind::Stm32g474 => Port::with_modes(g474::reset_modes(name)),
+        };
         let mut chip = Self {
+            kind,
             now: 0,
             stop_at: 0,
             clock,
             clocks,
             interrupts: Interrupts::new(),
-            ports: PORTS.map(Port::new),
+            ports: PORTS.map(port),
             timers: TIMERS.iter().map(|timer| Timer::new(timer.4)).collect(),
             serials: [Serial::default(), Serial::default()],
             watchdog: Watchdog::new(oscillator_hz),
+            capture: CrystalCapture::default(),
+            rotors: None,
+            can: BxCan::new(),
+            fd_can: FdCan::new(),
+            bus: None,
+            supply: Supply::new(),
             held: BTreeMap::new(),
             unknown: BTreeSet::new(),
             trace: Trace::default(),
@@ -129,7 +185,12 @@ impl Chip {
             serial.reset();
         }
         self.watchdog.reset();
-        self.held.clear();
+        self.capture = CrystalCapture::default();
+        self.can = BxCan::new();
+        self.fd_can = FdCan::new();
+        self.supply.reset();
+        // What a debugger has set stays.
+        self.held.retain(|address, _| *address == STANDS_AT_HALT);
         self.asks_for_reset = false;
         self.set_clocks();
         self.show_all_pins();
@@ -137,6 +198,14 @@ impl Chip {
 
     pub(crate) fn core_period(&self) -> Time {
         self.clocks.core
+    }
+
+    /// Returns how often the controller has gone off the bus.
+    pub(crate) fn bus_offs(&self) -> u32 {
+        match self.kind {
+            Kind::Stm32f405 => self.can.offs,
+            Kind::Stm32g474 => self.fd_can.offs,
+        }
     }
 
     /// Returns the line.
@@ -154,6 +223,30 @@ impl Chip {
         if let Some(index) = PORTS.iter().position(|name| *name == pin.0) {
             self.ports[index].outside[usize::from(pin.1)] = level;
         }
+    }
+
+    /// Changes the voltage of the supply, mV.
+    pub(crate) fn set_supply(&mut self, millivolts: u32) {
+        self.supply.set_millivolts(millivolts);
+        self.set_lines();
+    }
+
+    /// The crystal stops. Returns `true` if the core goes on: by the clock security system, or without the crystal.
+    pub(crate) fn stop_crystal(&mut self) -> bool {
+        self.advance();
+        let fed = self.clock.is_fed_by_crystal();
+        if self.clock.stop_crystal() {
+            self.interrupts.fail();
+            self.set_clocks();
+            return true;
+        }
+        !fed
+    }
+
+    /// Returns true if the watchdog counts while a debugger holds the core.
+    pub(crate) fn watchdog_bites_at_halt(&self) -> bool {
+        let frozen = self.held.get(&STANDS_AT_HALT).copied().unwrap_or(0);
+        frozen & WATCHDOG_STANDS == 0
     }
 
     fn set_clocks(&mut self) {
@@ -177,7 +270,41 @@ impl Chip {
         for serial in &mut self.serials {
             serial.advance(self.now, self.clocks.apb1);
         }
+        self.advance_can();
         self.set_lines();
+    }
+
+    fn advance_can(&mut self) {
+        let bus = self.bus.as_deref_mut().map(|bus| bus as _);
+        match self.kind {
+            Kind::Stm32f405 => self.can.advance(self.now, self.clocks.apb1, bus),
+            Kind::Stm32g474 => self.fd_can.advance(self.now, self.clocks.apb1, bus),
+        }
+    }
+
+    /// Lets the machine behind the amplifiers go on to the present time.
+    pub(crate) fn advance_rotors(&mut self) {
+        let Some((rotors, on)) = &mut self.rotors else {
+            return;
+        };
+        let timer = |number: u8| TIMERS.iter().position(|timer| timer.0 == number);
+        let enabled = self.trace.level(wiring::ENABLE) == Level::of(*on);
+        let set = timer(SET_VALUE_TIMER)
+            .filter(|_| enabled)
+            .and_then(|index| {
+                let timer = &self.timers[index];
+                Some([
+                    timer.set_value(0)?,
+                    timer.set_value(1)?,
+                    timer.set_value(2)?,
+                ])
+            });
+        let turned = rotors.advance(self.now, set);
+        for (number, counts) in ENCODERS.into_iter().zip(turned) {
+            if let Some(index) = timer(number) {
+                self.timers[index].turn(counts);
+            }
+        }
     }
 
     fn advance_timer(&mut self, index: usize) {
@@ -187,10 +314,10 @@ impl Chip {
             let of = |(_, _, timer, channel): &(Pin, u8, u8, u8)| {
                 (*timer, *channel) == (number, edge.channel)
             };
-            if let Some((pin, function, ..)) = CHANNELS.into_iter().find(of)
-                && mode_of(ports, pin) == Some(Mode::Alternate(function))
-            {
-                trace.record(edge.time, pin, Level::of(edge.high));
+            for (pin, function, ..) in CHANNELS.into_iter().filter(of) {
+                if mode_of(ports, pin) == Some(Mode::Alternate(function)) {
+                    trace.record(edge.time, pin, Level::of(edge.high));
+                }
             }
         });
     }
@@ -199,6 +326,11 @@ impl Chip {
         for (timer, (_, _, interrupt, _, _)) in self.timers.iter().zip(TIMERS) {
             self.interrupts.set_line(interrupt, timer.interrupts());
         }
+        self.interrupts
+            .set_line(supply::PVD, self.supply.interrupts());
+        self.interrupts.set_line(bxcan::RX0, self.can.interrupts());
+        self.interrupts
+            .set_line(fdcan::IT0, self.fd_can.interrupts());
         for (serial, (_, interrupt)) in self.serials.iter().zip(SERIALS) {
             self.interrupts.set_line(interrupt, serial.interrupts());
         }
@@ -212,6 +344,10 @@ impl Chip {
             .chain(serials)
             .chain(self.interrupts.tick.next(self.clocks.core))
             .chain(self.watchdog.bite())
+            .chain(match self.kind {
+                Kind::Stm32f405 => self.can.next(self.bus.as_deref()),
+                Kind::Stm32g474 => self.fd_can.next(self.bus.as_deref()),
+            })
             .min()
     }
 
@@ -281,6 +417,7 @@ impl Chip {
             }
             Place::Port(index, offset) => self.ports[index].read(offset),
             Place::Timer(index, offset) => {
+                self.advance_rotors();
                 self.advance_timer(index);
                 self.timers[index].read(offset, now)
             }
@@ -290,6 +427,32 @@ impl Chip {
                 read
             }
             Place::Watchdog(offset) => self.watchdog.read(offset),
+            Place::Capture(offset) => {
+                let clock = self.clocks.timers(self.clocks.apb2);
+                let input = self.clock.divided_crystal(now);
+                self.capture.read(offset, now, clock, input)
+            }
+            Place::Can(offset) => {
+                self.advance_can();
+                let read = self.can.read(offset);
+                self.set_lines();
+                read
+            }
+            Place::FdCan(offset) => {
+                self.advance_can();
+                let read = self.fd_can.read(offset);
+                self.set_lines();
+                read
+            }
+            Place::MessageRam(offset) => self.fd_can.read_ram(offset),
+            Place::OtherClock(offset) => g474::read_clock(&self.clock, &self.held, offset, now),
+            Place::OtherSerial(index, offset) => {
+                let read = g474::read_serial(&mut self.serials[index], offset, now, apb1);
+                self.set_lines();
+                read
+            }
+            Place::Supply(offset) => self.supply.read(offset),
+            Place::Lines(offset) => self.supply.read_line(offset),
             // Revision of an STM32F405: an emulator has none, and the image asks.
             Place::Identity => Some(0x1001_6413),
             Place::Held => Some(self.held.get(&address).copied().unwrap_or(0)),
@@ -327,11 +490,13 @@ impl Chip {
                 }
             }
             Place::Port(index, offset) => {
+                self.advance_rotors();
                 let known = self.ports[index].write(offset, value);
                 self.show_port(index);
                 known
             }
             Place::Timer(index, offset) => {
+                self.advance_rotors();
                 self.advance_timer(index);
                 let known = self.timers[index].write(offset, value, now);
                 self.show_channels(TIMERS[index].0);
@@ -339,6 +504,33 @@ impl Chip {
             }
             Place::Serial(index, offset) => self.serials[index].write(offset, value, now, apb1),
             Place::Watchdog(offset) => self.watchdog.write(offset, value, now),
+            Place::Capture(offset) => self.capture.write(offset, value, now),
+            Place::Can(offset) => {
+                self.advance_can();
+                let is_sending = self.bus.as_ref().is_some_and(|bus| bus.is_sending());
+                let known = self.can.write(offset, value, now, apb1, is_sending);
+                self.advance_can();
+                known
+            }
+            Place::FdCan(offset) => {
+                self.advance_can();
+                let is_sending = self.bus.as_ref().is_some_and(|bus| bus.is_sending());
+                let known = self.fd_can.write(offset, value, now, apb1, is_sending);
+                self.advance_can();
+                known
+            }
+            Place::MessageRam(offset) => self.fd_can.write_ram(offset, size, value),
+            Place::OtherClock(offset) => {
+                self.held.insert(address, value);
+                let known = g474::write_clock(&mut self.clock, offset, value, now);
+                self.set_clocks();
+                known
+            }
+            Place::OtherSerial(index, offset) => {
+                g474::write_serial(&mut self.serials[index], offset, value, now, apb1)
+            }
+            Place::Supply(offset) => self.supply.write(offset, value),
+            Place::Lines(offset) => self.supply.write_line(offset, value),
             Place::Held => {
                 self.hold(address, value);
                 true
@@ -357,7 +549,7 @@ impl Chip {
     fn hold(&mut self, address: u32, value: u32) {
         self.held.insert(address, value);
         match address {
-            RESET_OF_PORTS => {
+            RESET_OF_PORTS | g474::RESET_OF_PORTS => {
                 for index in 0..PORTS.len() {
                     if value >> index & 1 != 0 {
                         self.ports[index].reset();
@@ -373,6 +565,9 @@ impl Chip {
                         self.show_channels(of.0);
                     }
                 }
+                if value & CAN1 != 0 {
+                    self.can = BxCan::new();
+                }
                 self.set_clocks();
             }
             _ => {}
@@ -385,6 +580,11 @@ impl Chip {
                 .contains(&address)
                 .then(|| address - start)
         };
+        if self.kind == Kind::Stm32g474
+            && let Some(place) = g474::place(address)
+        {
+            return place;
+        }
         if let Some(offset) = within(0x4002_3800, 0x0C).or(within(0x4002_3874, 4).map(|_| 0x74)) {
             return Place::Clock(offset);
         }
@@ -405,6 +605,17 @@ impl Chip {
         for (index, (start, _)) in SERIALS.iter().enumerate() {
             if let Some(offset) = within(*start, 0x400) {
                 return Place::Serial(index, offset);
+            }
+        }
+        let others: [(u32, fn(u32) -> Place); 4] = [
+            (0x4000_6400, Place::Can),
+            (0x4001_4800, Place::Capture),
+            (0x4000_7000, Place::Supply),
+            (0x4001_3C00, Place::Lines),
+        ];
+        for (start, place) in others {
+            if let Some(offset) = within(start, 0x400) {
+                return place(offset);
             }
         }
         match (within(0x4000_3000, 0x400), within(0xE000_E000, 0x1000)) {
@@ -434,6 +645,14 @@ enum Place {
     Timer(usize, u32),
     Serial(usize, u32),
     Watchdog(u32),
+    Capture(u32),
+    Can(u32),
+    FdCan(u32),
+    MessageRam(u32),
+    OtherClock(u32),
+    OtherSerial(usize, u32),
+    Supply(u32),
+    Lines(u32),
     Identity,
     Held,
     Unknown,
@@ -453,7 +672,8 @@ mod tests {
     use super::*;
 
     fn chip() -> Chip {
-        Chip::new(Crystal::Runs { mhz: 8 }, 32_000)
+        let kind = Kind::Stm32f405;
+        Chip::new(kind, kind.crystal(), 32_000)
     }
 
     #[test]

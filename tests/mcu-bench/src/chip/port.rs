@@ -27,12 +27,18 @@ pub(crate) struct Port {
 }
 
 impl Port {
+    /// Port of an STM32F405.
     pub(crate) fn new(name: char) -> Self {
         let reset_modes = match name {
             'A' => 0xA800_0000,
             'B' => 0x280,
             _ => 0,
         };
+        Self::with_modes(reset_modes)
+    }
+
+    /// Port whose pins have these modes in a reset.
+    pub(crate) fn with_modes(reset_modes: u32) -> Self {
         Self {
             modes: reset_modes,
             open_drain: 0,

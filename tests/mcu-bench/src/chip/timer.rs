@@ -77,11 +77,17 @@ impl Timer {
     }
 
     /// Moves the counter of an encoder by `counts`.
-    #[cfg(test)]
     pub(crate) fn turn(&mut self, counts: i32) {
         if self.is_encoder() && self.control & ENABLE != 0 {
             self.count = self.count.wrapping_add_signed(counts) & self.most;
         }
+    }
+
+    /// Returns the set value of a channel's PWM, and the counts of its period; none if the timer does not drive it.
+    pub(crate) fn set_value(&self, channel: u8) -> Option<(u16, u16)> {
+        let full = (self.reload + 1).min(u32::from(u16::MAX)) as u16;
+        self.is_pwm(channel)
+            .then(|| (self.compare[usize::from(channel)] as u16, full))
     }
 
     fn count_time(&self) -> Time {

@@ -14,7 +14,7 @@ mod exceptions;
 mod flash;
 mod world;
 
-use crate::chip::{Chip, Crystal, ResetCause};
+use crate::chip::{Chip, Crystal, Kind, NMI, ResetCause};
 use crate::time::Time;
 use crate::trace::Trace;
 use anyhow::{Result, anyhow, bail};
@@ -48,6 +48,8 @@ pub(crate) struct Board {
     pub(crate) locked_up: bool,
     /// The clock of the core stands: its crystal died under the PLL.
     pub(crate) clock_stands: bool,
+    /// A debugger holds the core.
+    pub(crate) halted: bool,
     /// Code does not go on: it is hung on purpose.
     pub(crate) hung: Option<Hang>,
     /// Handlers of the tick and of the slots, by their beginning.
@@ -75,9 +77,14 @@ fn failed(error: unicorn_engine::uc_error) -> anyhow::Error {
 
 impl Board {
     /// Puts the image of `file` into the flash of a board and switches it on.
-    pub(crate) fn switch_on(file: &Path, crystal: Crystal, oscillator_hz: u64) -> Result<Self> {
+    pub(crate) fn switch_on(
+        kind: Kind,
+        file: &Path,
+        crystal: Crystal,
+        oscillator_hz: u64,
+    ) -> Result<Self> {
         let world = World {
-            chip: Chip::new(crystal, oscillator_hz),
+            chip: Chip::new(kind, crystal, oscillator_hz),
             blocks: vec![(0, 0); FLASH_BYTES as usize / 2],
             flash: flash::load(file)?,
             must_go_on: true,
@@ -98,6 +105,7 @@ impl Board {
             uc,
             locked_up: false,
             clock_stands: false,
+            halted: false,
             hung: None,
             handled: Vec::new(),
             begun: Vec::new(),
@@ -141,6 +149,11 @@ impl Board {
         of.map(|(_, begin)| begin).max()
     }
 
+    /// The crystal stops: the core goes on from the internal oscillator if the clock security system is on, or stands.
+    pub(crate) fn stop_crystal(&mut self) {
+        self.clock_stands = !self.chip().stop_crystal();
+    }
+
     /// Sends the program to an address.
     pub(crate) fn jump(&mut self, address: u32) -> Result<()> {
         self.put(RegisterARM::PC, address | 1)
@@ -169,6 +182,7 @@ impl Board {
         self.cut_off.extend(cut);
         self.locked_up = false;
         self.clock_stands = false;
+        self.halted = false;
         let (stack, entry) = (self.word(FLASH)?, self.word(FLASH + 4)?);
         for register in [
             RegisterARM::PRIMASK,
@@ -189,8 +203,9 @@ impl Board {
     pub(crate) fn run(&mut self, end: Time) -> Result<()> {
         while self.now() < end {
             self.chip().advance();
+            let watches = !self.halted || self.chip().watchdog_bites_at_halt();
             let chip = self.chip();
-            if chip.watchdog.bite().is_some_and(|bite| bite <= chip.now) {
+            if watches && chip.watchdog.bite().is_some_and(|bite| bite <= chip.now) {
                 self.reset(ResetCause::Watchdog)?;
                 continue;
             }
@@ -198,10 +213,10 @@ impl Board {
                 self.reset(ResetCause::Software)?;
                 continue;
             }
-            if self.locked_up || self.clock_stands {
-                // Nothing runs but the watchdog.
+            if self.locked_up || self.clock_stands || self.halted {
+                // No code runs; the watchdog does.
                 let chip = self.chip();
-                let bite = chip.watchdog.bite().unwrap_or(end);
+                let bite = chip.watchdog.bite().filter(|_| watches).unwrap_or(end);
                 chip.now = bite.min(end).max(chip.now);
                 continue;
             }
@@ -235,8 +250,9 @@ impl Board {
             return Ok(());
         };
         let base = self.get(RegisterARM::BASEPRI)?;
-        let masked = self.get(RegisterARM::PRIMASK)? & 1 != 0
-            || !self.chip().interrupts.passes(exception, base);
+        let masked = exception != NMI
+            && (self.get(RegisterARM::PRIMASK)? & 1 != 0
+                || !self.chip().interrupts.passes(exception, base));
         match masked {
             true => Ok(()),
             false => self.enter(exception),

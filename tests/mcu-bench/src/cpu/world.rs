@@ -6,9 +6,11 @@ use crate::time::Time;
 use unicorn_engine::{HookType, Prot, Unicorn};
 
 /// Regions of registers: peripherals, their bits one by one, system, debug.
-const REGISTERS: [(u64, u64); 4] = [
+const REGISTERS: [(u64, u64); 5] = [
     (0x4000_0000, 0x8_0000),
     (0x4200_0000, 0x100_0000),
+    // Ports of an STM32G474.
+    (0x4800_0000, 0x2000),
     (0xE000_E000, 0x1000),
     (0xE004_2000, 0x1000),
 ];

@@ -2,14 +2,15 @@
 
 use super::DriveParts;
 use crate::board::{self, FailureInput, SetValue1, SetValue2, SetValue3};
-use crate::dividers::{self, set_pwm};
+use crate::dividers::set_pwm;
+use crate::gpio::Pull;
+use crate::parts::Rcc;
 use crate::pins::BoardPin;
-use stm32f4xx_hal::gpio::Pull;
+use crate::timers::SlotCounter;
 use stm32f4xx_hal::hal_02::Qei as _;
-use stm32f4xx_hal::pac::{TIM1, TIM3, TIM4, TIM5, TIM7};
+use stm32f4xx_hal::pac::{TIM1, TIM3, TIM4, TIM5};
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::qei::Qei;
-use stm32f4xx_hal::rcc::{Enable as _, Rcc, Reset};
 use stm32f4xx_hal::timer::{ErasedChannel, Polarity};
 use trirrr_app::outputs::OrEmulated;
 use trirrr_app::scene::Scalar;
@@ -34,7 +35,7 @@ pub(crate) struct SampleTimer {
     loops: Loops<&'static LoopLine, ErasedChannel<TIM3>, <board::Enable as BoardPin>::Output>,
     encoders: (Qei<TIM1>, Qei<TIM4>, Qei<TIM5>),
     failures: [FailureInput; 3],
-    timer: TIM7,
+    timer: SlotCounter,
 }
 
 impl SampleTimer {
@@ -42,7 +43,7 @@ impl SampleTimer {
     #[inline(always)]
     pub(crate) fn run(&mut self) {
         // First: the write has to reach the timer before the interrupt returns.
-        dividers::clear(&self.timer);
+        self.timer.clear();
         let (first, second, third) = &self.encoders;
         // The third counts in 32 bits.
         let counters = [first.count(), second.count(), third.count() as u16];
@@ -61,11 +62,11 @@ impl SampleTimer {
 // An inverted pin has the type of the array already.
 #[allow(clippy::useless_conversion)]
 pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BldcDrives, SampleTimer) {
-    let pins = parts.pins;
+    let (pins, peripherals) = (parts.pins, parts.peripherals);
     let active = Active::at(ENABLE_HIGH);
     let Ok(enable) = Enable::new(pins.enable.output(active.off()), active);
 
-    let (_, (pwm_1, pwm_2, pwm_3, _)) = parts.tim3.pwm_hz(COMMAND_HZ.Hz(), rcc);
+    let (_, (pwm_1, pwm_2, pwm_3, _)) = peripherals.tim3.pwm_hz(COMMAND_HZ.Hz(), rcc);
     set_pwm(parts.clocks.timers, COMMAND_HZ);
     let mut pwm = [
         pwm_1.with(pins.set_value_1.plain()).erase(),
@@ -98,14 +99,12 @@ pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BldcDrives, SampleTime
         pins.failure_3.input(pull).into(),
     ];
     let encoders = (
-        Qei::new(parts.tim1, (pins.encoder_a_1, pins.encoder_b_1), rcc),
-        Qei::new(parts.tim4, (pins.encoder_a_2, pins.encoder_b_2), rcc),
-        Qei::new(parts.tim5, (pins.encoder_a_3, pins.encoder_b_3), rcc),
+        Qei::new(peripherals.tim1, (pins.encoder_a_1, pins.encoder_b_1), rcc),
+        Qei::new(peripherals.tim4, (pins.encoder_a_2, pins.encoder_b_2), rcc),
+        Qei::new(peripherals.tim5, (pins.encoder_a_3, pins.encoder_b_3), rcc),
     );
 
-    let (timer, clocks) = (parts.tim7, parts.clocks);
-    TIM7::enable(rcc);
-    TIM7::reset(rcc);
+    let (timer, clocks) = (SlotCounter::new(peripherals.slots, rcc), parts.clocks);
     let timer = SampleTimer {
         loops,
         encoders,
@@ -117,7 +116,7 @@ pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BldcDrives, SampleTime
         return (OrEmulated::Emulated(drives), timer);
     }
     if clocks.core / LOOP_HZ >= LEAST_CYCLES {
-        dividers::start(&timer.timer, clocks.timers, LOOP_HZ);
+        timer.timer.start(clocks.timers, LOOP_HZ);
     } else {
         defmt::error!(
             "{=u32} samples of the loops per second are too many for {=u32} Hz",

@@ -5,6 +5,7 @@
 //! until a drive has acknowledged it. Frames come in from the drives alone: a filter for each of them keeps others out.
 #![allow(unsafe_code)]
 
+use crate::clock::Clocks;
 use core::cell::Cell;
 use core::sync::atomic::{AtomicU32, Ordering};
 use cortex_m::interrupt::{Mutex, free};
@@ -13,13 +14,15 @@ use embedded_can::{ErrorKind, Id, StandardId};
 use heapless::spsc::{Consumer, Producer};
 use stm32f4xx_hal::pac::{CAN1, Interrupt, interrupt};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
+use trirrr_app::scene::drive::BIT_RATE_HZ;
+pub(crate) use trirrr_drives::can::ClassicFrame as BusFrame;
 use trirrr_drives::can::{BitTiming, Bus, ClassicFrame};
 
 /// Frames that were lost: the interrupt came too late, or the queue was full. The interrupt alone adds.
 pub(super) static LOST: AtomicU32 = AtomicU32::new(0);
 
 /// CAN1 as the tick sees it: all three mailboxes, and the queue of what came in.
-pub(crate) struct Controller {
+pub(crate) struct BusController {
     can: CAN1,
     /// The start has not failed.
     runs: bool,
@@ -45,7 +48,12 @@ impl embedded_can::Error for Off {
 /// Reads of an acknowledgement that comes within a bit.
 const READS: u32 = 10_000;
 
-impl Controller {
+impl BusController {
+    /// Timing of the scene's bits, none if the clock is no multiple of their rate.
+    pub(super) fn timing(clocks: &Clocks) -> Option<BitTiming> {
+        BitTiming::new(clocks.apb1, BIT_RATE_HZ)
+    }
+
     /// Starts the controller with this bit timing, or fails without one. It takes frames whose identifiers are those of
     /// `filters` in the bits that count. The controller takes part once the bus has been idle.
     pub(super) fn start(
@@ -169,7 +177,7 @@ fn count_lost() {
     LOST.fetch_add(1, Ordering::Relaxed);
 }
 
-impl embedded_can::nb::Can for Controller {
+impl embedded_can::nb::Can for BusController {
     type Frame = ClassicFrame;
     type Error = Off;
 
@@ -215,7 +223,7 @@ impl embedded_can::nb::Can for Controller {
     }
 }
 
-impl Bus for Controller {
+impl Bus for BusController {
     fn abort(&mut self) {
         if self.runs {
             self.can

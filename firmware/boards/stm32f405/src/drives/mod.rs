@@ -12,18 +12,24 @@
 #[cfg(drive = "bldc")]
 mod bldc;
 #[cfg(any(drive = "odrive", drive = "mit"))]
+#[path = "../../../stm32/drives/can.rs"]
 mod can;
 #[cfg(any(drive = "odrive", drive = "mit"))]
 mod controller;
 #[cfg(drive = "none")]
+#[path = "../../../stm32/drives/none.rs"]
 mod none;
+#[path = "../../../stm32/drives/parts.rs"]
+mod parts;
 #[cfg(drive = "stepper")]
+#[path = "../../../stm32/drives/stepper.rs"]
 mod stepper;
 
 #[cfg(drive = "bldc")]
 pub(super) use bldc::{BldcDrives as Drives, SampleTimer as DriveTimer, build};
 #[cfg(any(drive = "odrive", drive = "mit"))]
 pub(super) use can::{BusDrives as Drives, Inbox, build, report};
+pub(super) use parts::DriveParts;
 #[cfg(drive = "stepper")]
 pub(super) use stepper::{CheckedSteppers as Drives, SlotTimer as DriveTimer, build};
 #[cfg(not(any(drive = "stepper", drive = "bldc")))]
@@ -36,34 +42,3 @@ compile_error!(
     "drive.protocol = \"moteus\": its frames take CAN FD, and the controllers of the STM32F405 are \
      of classic CAN"
 );
-
-use crate::board::DrivePins;
-use crate::clock::Clocks;
-use stm32f4xx_hal::pac::{CAN1, TIM1, TIM3, TIM4, TIM5, TIM7};
-use trirrr_app::inputs::Angle;
-#[cfg(feedback)]
-use trirrr_protocol::message::Clock;
-
-/// Parts of the board for drives.
-// Each kind of drive takes some of them.
-#[allow(dead_code)]
-pub(super) struct DriveParts {
-    /// Pins of the kind of drive.
-    pub(super) pins: DrivePins,
-    pub(super) tim1: TIM1,
-    pub(super) tim3: TIM3,
-    pub(super) tim4: TIM4,
-    pub(super) tim5: TIM5,
-    pub(super) tim7: TIM7,
-    pub(super) can1: CAN1,
-    /// Rates of the clocks.
-    pub(super) clocks: Clocks,
-    /// Source of the clocks.
-    #[cfg(feedback)]
-    pub(super) clock: Clock,
-    /// Queue of the frames that came in.
-    #[cfg(any(drive = "odrive", drive = "mit"))]
-    pub(super) inbox: &'static mut Inbox,
-    /// Joint angles at the start.
-    pub(super) angles: [Angle; 3],
-}

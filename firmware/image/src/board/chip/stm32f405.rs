@@ -3,12 +3,13 @@
 use super::{Chip, Family, SerialPort, Signal};
 use crate::board::role::Role;
 
-const ALL: &[u8] = &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
+pub(super) const ALL: &[u8] = &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
 
-const SWD: &str = "is the debug port, by which the chip is flashed";
-const JTAG: &str =
+pub(super) const SWD: &str = "is the debug port, by which the chip is flashed";
+pub(super) const JTAG: &str =
     "is pulled up or down by the chip in a reset, for JTAG: an output is not off then";
-const BACKUP: &str = "is supplied by the backup switch: it carries 3 mA, and no fast edges";
+pub(super) const BACKUP: &str =
+    "is supplied by the backup switch: it carries 3 mA, and no fast edges";
 
 const WITHHELD: &[(&str, &str)] = &[
     ("PA13", SWD),
@@ -45,7 +46,7 @@ const SERIAL_PORTS: &[SerialPort] = &[
     },
 ];
 
-const fn signal(
+pub(super) const fn signal(
     role: Role,
     index: usize,
     name: &'static str,

@@ -1,22 +1,22 @@
-//! Drives on the CAN bus: CAN1 carries a frame to each of them in a tick, and an interrupt takes every frame from them.
+//! Drives on the CAN bus: the controller carries a frame to each of them in a tick, and an interrupt takes every frame from them.
 
-use super::controller::{Controller, LOST};
+use super::controller::{BusController, BusFrame, LOST};
 use super::{DriveParts, DriveTimer};
+use crate::parts::Rcc;
 use core::sync::atomic::Ordering;
 use heapless::spsc::Queue;
-use stm32f4xx_hal::rcc::Rcc;
 use trirrr_app::outputs::OrEmulated;
 use trirrr_app::scene::Scalar;
-use trirrr_app::scene::drive::{BIT_RATE_HZ, FILTERS, HEARD, NODES, PROTOCOL, Protocol, ROTORS};
+use trirrr_app::scene::drive::{FILTERS, HEARD, NODES, PROTOCOL, Protocol, ROTORS};
 use trirrr_drives::ObeyingDrives;
-use trirrr_drives::can::{BitTiming, CanDrives, ClassicFrame};
+use trirrr_drives::can::CanDrives;
 use trirrr_protocol::message::Clock;
 
 /// Drives, as the tick sees them.
-pub(crate) type BusDrives = OrEmulated<CanDrives<Scalar, Protocol, Controller>>;
+pub(crate) type BusDrives = OrEmulated<CanDrives<Scalar, Protocol, BusController>>;
 
 /// Queue of the frames that came in: a tick's, and the place that stays empty.
-pub(crate) type Inbox = Queue<ClassicFrame, { HEARD as usize + 1 }>;
+pub(crate) type Inbox = Queue<BusFrame, { HEARD as usize + 1 }>;
 
 /// Builds the drives on their bus, or those of an emulated board. A board without its crystal takes no part, for its bits
 /// would be too long or too short.
@@ -33,13 +33,14 @@ pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BusDrives, DriveTimer)
     );
     let (frames, inbox) = parts.inbox.split();
     let timing = match parts.clock {
-        Clock::Crystal => BitTiming::new(parts.clocks.apb1, BIT_RATE_HZ),
+        Clock::Crystal => BusController::timing(&parts.clocks),
         _ => None,
     };
     if parts.clock == Clock::Emulated {
         return (OrEmulated::Emulated(ObeyingDrives::new(parts.angles)), ());
     }
-    let controller = Controller::start(parts.can1, rcc, timing, &FILTERS, frames, inbox);
+    let controller =
+        BusController::start(parts.peripherals.can, rcc, timing, &FILTERS, frames, inbox);
     let drives = CanDrives::new(PROTOCOL, controller, NODES, ROTORS, parts.angles, HEARD);
     (OrEmulated::Real(drives), ())
 }

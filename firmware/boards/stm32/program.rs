@@ -1,152 +1,101 @@
-//! STM32F405: line and log on the ports of the board file, the tick on SysTick.
+//! Program of an STM32: line and log on the ports of the board file, the tick on SysTick.
 //!
 //! | priority | interrupt | task |
 //! |---|---|---|
-//! | highest | CAN1_RX0 | a frame from a drive into its queue, in images for drives on the bus; not a task |
+//! | above all | NMI, PVD | the crystal has stopped, the supply sags: outputs off, start anew; in images of an STM32F405 with drives or a tool |
+//! | highest | that of the CAN controller | a frame from a drive into its queue, in images for drives on the bus; not a task |
 //! | 4 | TIM7 | a slot of the step pulses, in images for steppers; a sample of the loops, in images for amplifiers |
 //! | 3 | LINE, that of the line's port | a byte from the line into its queue |
 //! | 2 | SysTick | the tick |
 //! | none | | the background |
-#![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[cfg(target_os = "none")]
-mod board;
-#[cfg(target_os = "none")]
-mod chip;
-#[cfg(target_os = "none")]
-mod clock;
-#[cfg(target_os = "none")]
-mod dividers;
-#[cfg(target_os = "none")]
-mod drives;
-#[cfg(all(target_os = "none", interlocks))]
-mod interlocks;
-#[cfg(target_os = "none")]
-mod pins;
-#[cfg(target_os = "none")]
-mod start;
-#[cfg(target_os = "none")]
-mod switches;
-#[cfg(all(target_os = "none", not(tool = "none")))]
-mod tool;
-
-#[cfg(target_os = "none")]
 #[rtic::app(device = crate::board::device, peripherals = true)]
 mod app {
-    use super::board::{LinePort, LogPort, Pins};
-    use super::clock::{self, FAST, SLOW};
-    use super::dividers::set_bauds;
+    use crate::board::Pins;
+    use crate::clock::{FAST, SLOW};
     #[cfg(brake)]
-    use super::drives::Drives;
+    use crate::drives::Drives;
     #[cfg(not(brake))]
-    use super::drives::Drives as HeldDrives;
-    #[cfg(any(drive = "odrive", drive = "mit"))]
-    use super::drives::Inbox;
-    use super::drives::{self, DriveTimer};
+    use crate::drives::Drives as HeldDrives;
+    #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
+    use crate::drives::Inbox;
+    use crate::drives::{self, DriveTimer};
     #[cfg(interlocks)]
-    use super::interlocks::{self, GuardedSwitches as Switches};
-    use super::pins::Ports;
-    use super::start;
-    use super::switches;
+    use crate::interlocks::{self, GuardedSwitches as Switches};
+    use crate::parts::{self, Watchdog};
+    use crate::serial::{self, LineReceiver, LineTransmitter, LogTransmitter};
+    use crate::switches;
     #[cfg(not(interlocks))]
-    use super::switches::Switches;
+    use crate::switches::Switches;
     use embedded_hal_nb::serial::Read;
     use heapless::spsc::{Producer, Queue};
-    use stm32f4xx_hal::prelude::*;
-    use stm32f4xx_hal::serial::{self, Rx, RxListen, Serial, Tx};
-    use stm32f4xx_hal::watchdog::IndependentWatchdog;
-    use trirrr_app::{BAUD, LOG_BAUD, RECEIVED, WATCHDOG_MS};
+    use trirrr_app::RECEIVED;
     use trirrr_app::{Background, Channels, Tick, TickClock, period};
     use trirrr_protocol::message::{Board, Clock};
 
     #[cfg(brake)]
     type HeldDrives =
-        trirrr_app::outputs::Braked<Drives, <super::board::Brake as super::pins::BoardPin>::Output>;
+        trirrr_app::outputs::Braked<Drives, <crate::board::Brake as crate::pins::BoardPin>::Output>;
 
     #[cfg(tool = "none")]
     type Outputs = HeldDrives;
     #[cfg(not(tool = "none"))]
-    type Outputs = trirrr_app::outputs::Tooled<HeldDrives, super::tool::ToolPin>;
+    type Outputs = trirrr_app::outputs::Tooled<HeldDrives, crate::tool::ToolPin>;
 
     #[shared]
     struct Shared {}
 
     #[local]
     struct Local {
-        receiver: Rx<LinePort>,
+        receiver: LineReceiver,
         received: Producer<'static, u8>,
         tick: Tick<Switches, Outputs>,
         timer: DriveTimer,
-        background: Background<Tx<LinePort>, Tx<LogPort>>,
-        watchdog: IndependentWatchdog,
+        background: Background<LineTransmitter, LogTransmitter>,
+        watchdog: Watchdog,
     }
 
     #[init(local = [
         channels: Channels = Channels::new(),
         bytes: Queue<u8, RECEIVED> = Queue::new(),
-        #[cfg(any(drive = "odrive", drive = "mit"))]
+        #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
         inbox: Inbox = Queue::new(),
     ])]
     fn init(context: init::Context) -> (Shared, Local) {
         let init::LocalResources {
             channels,
             bytes,
-            #[cfg(any(drive = "odrive", drive = "mit"))]
+            #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
             inbox,
             ..
         } = context.local;
-        let device = context.device;
-        let start = start::cause(&device.RCC);
-        let (clock, clocks) = clock::start(&device.RCC, &device.FLASH, &device.DBGMCU);
+        let chip = parts::start(context.device);
+        let (clock, clocks, mut rcc) = (chip.clock, chip.clocks, chip.rcc);
         let period = match clock {
             Clock::Slow => const { period(SLOW.core) },
             _ => const { period(FAST.core) },
         };
-        let mut rcc = device.RCC.constrain();
-
-        let ports = Ports {
-            a: device.GPIOA,
-            b: device.GPIOB,
-            c: device.GPIOC,
-            d: device.GPIOD,
-            e: device.GPIOE,
-            usart1: device.USART1,
-            usart2: device.USART2,
-            usart3: device.USART3,
-            usart6: device.USART6,
-        };
-        let pins = Pins::take(ports, &mut rcc);
-        let settings = |baud: u32| serial::Config::default().baudrate(baud.bps());
-        // At rest the line is high: without an adapter at the pin noise would be bytes, and each of them an interrupt above the tick.
-        let receive = pins.line_receive.into_pull_up_input();
-        let line_pins = (pins.line_transmit, receive);
-        let line = Serial::new(pins.line, line_pins, settings(BAUD), &mut rcc);
-        let log = pins.log.tx(pins.log_transmit, settings(LOG_BAUD), &mut rcc);
-        let (Ok(line), Ok(log)) = (line, log) else {
-            panic!("the slowest clock does not divide into the baud rates");
-        };
-        set_bauds(&clocks, BAUD, LOG_BAUD);
-        let (line, mut receiver) = line.split();
-        receiver.listen();
+        let pins = Pins::take(chip.ports, &mut rcc);
+        let (line, receiver, log) = serial::start(
+            (pins.line, pins.line_transmit, pins.line_receive),
+            (pins.log, pins.log_transmit),
+            &clocks,
+            &mut rcc,
+        );
 
         let board = Board {
             timer_hz: clocks.core,
             clock,
-            start,
+            start: chip.start,
         };
         let (foreground, background) = trirrr_app::build(channels, board);
         let parts = drives::DriveParts {
             pins: pins.drives,
-            tim1: device.TIM1,
-            tim3: device.TIM3,
-            tim4: device.TIM4,
-            tim5: device.TIM5,
-            tim7: device.TIM7,
-            can1: device.CAN1,
+            peripherals: chip.drives,
             clocks,
             #[cfg(feedback)]
             clock,
-            #[cfg(any(drive = "odrive", drive = "mit"))]
+            #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
             inbox,
             angles: foreground.output().motors.map(|motor| motor.angle),
         };
@@ -154,17 +103,17 @@ mod app {
         #[cfg(brake)]
         let outputs = trirrr_app::outputs::Braked::new(
             outputs,
-            super::pins::BoardPin::output(pins.brake, false),
+            crate::pins::BoardPin::output(pins.brake, false),
         );
         #[cfg(not(tool = "none"))]
         let outputs = {
-            let parts = super::tool::ToolParts {
+            let parts = crate::tool::ToolParts {
                 tool: pins.tool,
                 enable: pins.tool_enable,
-                tim2: device.TIM2,
+                counter: chip.tool,
                 clocks,
             };
-            let tool = super::tool::build(parts, &mut rcc);
+            let tool = crate::tool::build(parts, &mut rcc);
             trirrr_app::outputs::Tooled::new(outputs, tool)
         };
         #[cfg(homing)]
@@ -173,9 +122,7 @@ mod app {
         let inputs = switches::Switches;
         #[cfg(interlocks)]
         let inputs = interlocks::build(inputs, pins.stop, pins.door);
-        let mut watchdog = IndependentWatchdog::new(device.IWDG);
-        watchdog.stop_on_debug(&device.DBGMCU, true);
-        watchdog.start(WATCHDOG_MS.millis());
+        let watchdog = chip.watchdog.start();
         let (received, bytes) = bytes.split();
         let clock = TickClock::start(context.core.SYST, period);
         let local = Local {
@@ -217,13 +164,8 @@ mod app {
         let watchdog = context.local.watchdog;
         context.local.background.run(|| {
             watchdog.feed();
-            #[cfg(any(drive = "odrive", drive = "mit"))]
+            #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
             drives::report();
         })
     }
-}
-
-#[cfg(not(target_os = "none"))]
-fn main() {
-    trirrr_app::refuse_host("cargo fw")
 }

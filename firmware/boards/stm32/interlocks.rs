@@ -1,9 +1,9 @@
 //! Emergency stop and door, both pulled up: contacts to ground. An image whose scene names neither leaves the pins alone.
 
 use crate::board::{Door, Stop};
+use crate::gpio::Pull;
 use crate::pins::BoardPin;
 use crate::switches::Switches;
-use stm32f4xx_hal::gpio::Pull;
 use trirrr_app::inputs::{DoorLine, StopLine, WithInterlockPins};
 
 /// Switches of homing beside the contacts.

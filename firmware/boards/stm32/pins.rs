@@ -2,43 +2,13 @@
 //!
 //! Drives and switches come in arrays, so a pin of any number has one type. The HAL's own such type checks the number at each use
 //! and panics on a wrong one. The tick must not be able to panic, so here a pin is its bit.
-#![allow(unsafe_code)]
 // An image uses those of its scene's functions.
 #![allow(dead_code)]
 
+use crate::gpio::{InputMode, OutputMode, Pin, PortRegisters, Pull};
 use core::convert::Infallible;
-use stm32f4xx_hal::gpio::{Input, Output, Pin, Pull};
-use stm32f4xx_hal::hal::digital::{ErrorType, InputPin, OutputPin};
-use stm32f4xx_hal::pac::{
-    GPIOA, GPIOB, GPIOC, GPIOD, GPIOE, USART1, USART2, USART3, USART6, gpioa,
-};
+use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
 use trirrr_app::pins::NoPin;
-
-/// The ports of the chip, of which [`Pins`](crate::board::Pins) takes those of the board file.
-pub(crate) struct Ports {
-    pub(crate) a: GPIOA,
-    pub(crate) b: GPIOB,
-    pub(crate) c: GPIOC,
-    pub(crate) d: GPIOD,
-    pub(crate) e: GPIOE,
-    pub(crate) usart1: USART1,
-    pub(crate) usart2: USART2,
-    pub(crate) usart3: USART3,
-    pub(crate) usart6: USART6,
-}
-
-/// Registers of the port `P`.
-const fn port<const P: char>() -> *const gpioa::RegisterBlock {
-    // All have the same registers; only their values in a reset differ.
-    match P {
-        'A' => GPIOA::ptr(),
-        'B' => GPIOB::ptr().cast(),
-        'C' => GPIOC::ptr().cast(),
-        'D' => GPIOD::ptr().cast(),
-        'E' => GPIOE::ptr().cast(),
-        _ => panic!("a pin of another port is refused when the board file is read"),
-    }
-}
 
 /// Pin of a board file.
 pub(crate) trait BoardPin {
@@ -64,8 +34,8 @@ pub(crate) trait BoardPin {
 impl<const P: char, const N: u8> BoardPin for Pin<P, N> {
     const INVERTED: bool = false;
     type Plain = Self;
-    type Output = Pin<P, N, Output>;
-    type Input = Pin<P, N, Input>;
+    type Output = Pin<P, N, OutputMode>;
+    type Input = Pin<P, N, InputMode>;
 
     fn plain(self) -> Self {
         self
@@ -137,8 +107,8 @@ impl BoardPin for NoPin {
 /// Output of port `P`.
 pub(crate) struct PortOutput<const P: char>(u16);
 
-impl<const P: char, const N: u8> From<Pin<P, N, Output>> for PortOutput<P> {
-    fn from(_: Pin<P, N, Output>) -> Self {
+impl<const P: char, const N: u8> From<Pin<P, N, OutputMode>> for PortOutput<P> {
+    fn from(_: Pin<P, N, OutputMode>) -> Self {
         Self(const { 1 << N })
     }
 }
@@ -147,8 +117,7 @@ impl<const P: char> PortOutput<P> {
     /// Writes BSRR: ones of the lower half set pins, ones of the upper half clear pins.
     #[inline(always)]
     fn write(&mut self, bits: u32) {
-        // SAFETY: this value owns the pin, and one write of this register changes no other pin.
-        unsafe { (*const { port::<P>() }).bsrr().write(|w| w.bits(bits)) };
+        const { PortRegisters::of::<P>() }.write(bits);
     }
 }
 
@@ -172,20 +141,17 @@ impl<const P: char> OutputPin for PortOutput<P> {
 
 /// Output of any port, of either level.
 pub(crate) struct AnyOutput {
-    port: *const gpioa::RegisterBlock,
+    port: PortRegisters,
     /// Bits of BSRR for the level that a function calls high,
     high: u32,
     /// and for the one that it calls low.
     low: u32,
 }
 
-// SAFETY: this value owns the pin, and a write of its register changes no other pin, whatever runs beside it.
-unsafe impl Send for AnyOutput {}
-
-impl<const P: char, const N: u8> From<Pin<P, N, Output>> for AnyOutput {
-    fn from(_: Pin<P, N, Output>) -> Self {
+impl<const P: char, const N: u8> From<Pin<P, N, OutputMode>> for AnyOutput {
+    fn from(_: Pin<P, N, OutputMode>) -> Self {
         Self {
-            port: const { port::<P>() },
+            port: const { PortRegisters::of::<P>() },
             high: const { 1 << N },
             low: const { 1 << (N + 16) },
         }
@@ -195,8 +161,7 @@ impl<const P: char, const N: u8> From<Pin<P, N, Output>> for AnyOutput {
 impl AnyOutput {
     #[inline(always)]
     fn write(&mut self, bits: u32) {
-        // SAFETY: this value owns the pin, and one write of this register changes no other pin.
-        unsafe { (*self.port).bsrr().write(|w| w.bits(bits)) };
+        self.port.write(bits);
     }
 }
 
@@ -221,8 +186,8 @@ impl OutputPin for AnyOutput {
 /// Input of port `P`.
 pub(crate) struct PortInput<const P: char>(u16);
 
-impl<const P: char, const N: u8> From<Pin<P, N, Input>> for PortInput<P> {
-    fn from(_: Pin<P, N, Input>) -> Self {
+impl<const P: char, const N: u8> From<Pin<P, N, InputMode>> for PortInput<P> {
+    fn from(_: Pin<P, N, InputMode>) -> Self {
         Self(const { 1 << N })
     }
 }
@@ -230,26 +195,21 @@ impl<const P: char, const N: u8> From<Pin<P, N, Input>> for PortInput<P> {
 impl<const P: char> PortInput<P> {
     #[inline(always)]
     pub(crate) fn is_high(&self) -> bool {
-        // SAFETY: reading changes nothing.
-        let levels = unsafe { (*const { port::<P>() }).idr().read().bits() };
-        levels & u32::from(self.0) != 0
+        const { PortRegisters::of::<P>() }.levels() & u32::from(self.0) != 0
     }
 }
 
 /// Input of any port, of either level.
 pub(crate) struct AnyInput {
-    port: *const gpioa::RegisterBlock,
+    port: PortRegisters,
     bit: u16,
     inverted: bool,
 }
 
-// SAFETY: reading a level changes nothing, whatever runs beside it.
-unsafe impl Send for AnyInput {}
-
-impl<const P: char, const N: u8> From<Pin<P, N, Input>> for AnyInput {
-    fn from(_: Pin<P, N, Input>) -> Self {
+impl<const P: char, const N: u8> From<Pin<P, N, InputMode>> for AnyInput {
+    fn from(_: Pin<P, N, InputMode>) -> Self {
         Self {
-            port: const { port::<P>() },
+            port: const { PortRegisters::of::<P>() },
             bit: const { 1 << N },
             inverted: false,
         }
@@ -259,9 +219,7 @@ impl<const P: char, const N: u8> From<Pin<P, N, Input>> for AnyInput {
 impl AnyInput {
     #[inline(always)]
     pub(crate) fn is_high(&self) -> bool {
-        // SAFETY: reading changes nothing.
-        let levels = unsafe { (*self.port).idr().read().bits() };
-        (levels & u32::from(self.bit) != 0) != self.inverted
+        (self.port.levels() & u32::from(self.bit) != 0) != self.inverted
     }
 }
 

@@ -2,10 +2,9 @@
 
 use super::DriveParts;
 use crate::board::{self, DirectionOutput, StepOutput};
-use crate::dividers;
+use crate::parts::Rcc;
 use crate::pins::BoardPin;
-use stm32f4xx_hal::pac::TIM7;
-use stm32f4xx_hal::rcc::{Enable as _, Rcc, Reset};
+use crate::timers::SlotCounter;
 use trirrr_app::Output;
 use trirrr_app::inputs::Angle;
 use trirrr_app::outputs::Outputs;
@@ -59,7 +58,7 @@ fn too_slow() -> Failure<Scalar> {
 /// Timer that calls the slots.
 pub(crate) struct SlotTimer {
     slots: Slots<'static, StepOutput, DirectionOutput, <board::Enable as BoardPin>::Output>,
-    timer: TIM7,
+    timer: SlotCounter,
 }
 
 impl SlotTimer {
@@ -67,7 +66,7 @@ impl SlotTimer {
     #[inline(always)]
     pub(crate) fn run(&mut self) {
         // First: the write has to reach the timer before the interrupt returns.
-        dividers::clear(&self.timer);
+        self.timer.clear();
         let Ok(()) = self.slots.slot();
     }
 }
@@ -100,12 +99,10 @@ pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (CheckedSteppers, SlotT
     let axes = [axis_1, axis_2, axis_3];
     let slots = Slots::new(&LINE, axes, enable, PER_TICK);
 
-    let (timer, clocks) = (parts.tim7, parts.clocks);
-    TIM7::enable(rcc);
-    TIM7::reset(rcc);
+    let (timer, clocks) = (SlotCounter::new(parts.peripherals.slots, rcc), parts.clocks);
     let runs = clocks.core / SLOT_HZ >= LEAST_CYCLES;
     if runs {
-        dividers::start(&timer, clocks.timers, SLOT_HZ);
+        timer.start(clocks.timers, SLOT_HZ);
     } else {
         defmt::error!(
             "{=u32} slots per second are too many for {=u32} Hz",

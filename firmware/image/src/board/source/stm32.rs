@@ -1,7 +1,7 @@
-//! Pins of an STM32F405 as types of its package.
+//! Pins of an STM32 as types of its package.
 
 use super::{declare, fields};
-use crate::board::chip::SerialPort;
+use crate::board::chip::{Family, SerialPort};
 use crate::board::file::{BoardFile, WiredPin};
 use crate::board::needs::Needs;
 use crate::board::role::Role;
@@ -23,37 +23,49 @@ fn port(pin: &WiredPin) -> char {
     pin.place.0.chars().last().unwrap_or_default()
 }
 
-/// The port on APB2, which is twice as fast as the bus of the others.
+/// The port of an STM32F405 on APB2, which is twice as fast as the bus of the others.
 fn is_on_fast_bus(port: &SerialPort) -> bool {
     matches!(port.name, "usart1" | "usart6")
 }
 
 pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
+    let has_hal = board.chip.family == Family::Stm32f405;
     let fields = fields(board, needs);
     let declared = declare(
         &fields,
         |pin| format!("Pin<'{}', {}>", port(pin), pin.place.1),
         |pin| {
             let letter = port(pin).to_ascii_lowercase();
-            format!("{letter}.p{letter}{}", pin.place.1)
+            match has_hal {
+                true => format!("{letter}.p{letter}{}", pin.place.1),
+                false => "Pin::of_its_port()".into(),
+            }
         },
     );
     let [line, log] = [board.line, board.log].map(|port| port.name.to_uppercase());
     let mut text = format!(
-        "use stm32f4xx_hal::gpio::{{GpioExt as _, Pin}};\n\
-         use stm32f4xx_hal::pac::{{{line}, {log}}};\n\
-         use stm32f4xx_hal::rcc::Rcc;\n\
+        "use crate::gpio::Pin;\n\
+         use crate::parts::Rcc;\n\
          pub(crate) const PLL: crate::clock::Pll = crate::clock::Pll {{ divider: {}, factor: {} }};\n\
-         pub(crate) type LinePort = {line};\n\
-         pub(crate) type LogPort = {log};\n\
-         pub(crate) const LINE_IS_ON_APB2: bool = {};\n\
-         pub(crate) const LOG_IS_ON_APB2: bool = {};\n\
          line_interrupt!({line});\n",
-        board.pll.divider,
-        board.pll.factor,
-        is_on_fast_bus(board.line),
-        is_on_fast_bus(board.log),
+        board.pll.divider, board.pll.factor,
     );
+    text += &match has_hal {
+        true => format!(
+            "use stm32f4xx_hal::gpio::GpioExt as _;\n\
+             use stm32f4xx_hal::pac::{{{line}, {log}}};\n\
+             pub(crate) type LinePort = {line};\n\
+             pub(crate) type LogPort = {log};\n\
+             pub(crate) const LINE_IS_ON_APB2: bool = {};\n\
+             pub(crate) const LOG_IS_ON_APB2: bool = {};\n",
+            is_on_fast_bus(board.line),
+            is_on_fast_bus(board.log),
+        ),
+        // Every port has the same type there, and the same clock.
+        false => "pub(crate) type LinePort = stm32_metapac::usart::Usart;\n\
+                  pub(crate) type LogPort = LinePort;\n"
+            .into(),
+    };
     let needed = needs.roles();
     for (role, name, [of_port, of_any]) in GROUPS {
         if let Some(pins) = board.pins(role).filter(|_| needed.contains_key(&role)) {
@@ -74,12 +86,21 @@ pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
     // Only these ports are switched on.
     let ports = fields.iter().filter_map(|field| field.pin).map(port);
     for port in ports.collect::<BTreeSet<char>>() {
-        let port = port.to_ascii_lowercase();
-        text += &format!("        let {port} = ports.{port}.split(rcc);\n");
+        text += &match has_hal {
+            true => {
+                let port = port.to_ascii_lowercase();
+                format!("        let {port} = ports.{port}.split(rcc);\n")
+            }
+            false => format!("        ports.switch_on('{port}', rcc);\n"),
+        };
     }
+    let [line, log] = match has_hal {
+        true => [board.line, board.log].map(|port| format!("ports.{}", port.name)),
+        false => [line, log].map(|name| format!("stm32_metapac::{name}")),
+    };
     text += &format!(
-        "        Self {{\n{}            line: ports.{},\n            log: ports.{},\n",
-        declared.values, board.line.name, board.log.name
+        "        Self {{\n{}            line: {line},\n            log: {log},\n",
+        declared.values,
     );
     text + "        }\n    }\n}\n"
 }

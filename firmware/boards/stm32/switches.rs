@@ -9,8 +9,8 @@ pub(super) use trirrr_app::inputs::NoInputs as Switches;
 #[cfg(homing)]
 mod inputs {
     use crate::board::{Homing1, Homing2, Homing3, HomingInput};
+    use crate::gpio::Pull;
     use crate::pins::BoardPin;
-    use stm32f4xx_hal::gpio::Pull;
     use trirrr_app::inputs::{Closed, Inputs};
     use trirrr_app::scene::{HOMING_ACTIVE_HIGH, Scalar};
     use trirrr_core::tick::Motor;

@@ -1,7 +1,7 @@
 //! No drive: nothing but telemetry leaves the board.
 
 use super::DriveParts;
-use stm32f4xx_hal::rcc::Rcc;
+use crate::parts::Rcc;
 use trirrr_app::outputs::NoOutputs;
 
 /// Takes no part.

@@ -3,7 +3,8 @@
 // The names of all pins; the functions take those of their scene.
 #![allow(dead_code, unused_imports)]
 
-use crate::pins::{AnyInput, AnyOutput, Inverted, PortInput, PortOutput, Ports};
+use crate::parts::Ports;
+use crate::pins::{AnyInput, AnyOutput, Inverted, PortInput, PortOutput};
 use trirrr_app::pins::NoPin;
 
 /// Names the interrupt of the line's port `LINE`: a task is bound to an interrupt by its name alone.
@@ -11,24 +12,32 @@ macro_rules! line_interrupt {
     ($interrupt:ident) => {
         /// The device as RTIC sees it.
         pub(crate) mod device {
-            pub(crate) use stm32f4xx_hal::pac::*;
+            pub(crate) use crate::parts::device::*;
 
             /// The interrupts of the tasks.
             pub(crate) mod interrupt {
-                pub(crate) use stm32f4xx_hal::pac::Interrupt::{TIM7, $interrupt as LINE};
+                pub(crate) use crate::parts::device::Interrupt::$interrupt as LINE;
+                pub(crate) use crate::parts::device::SLOTS as TIM7;
             }
         }
 
-        /// Entry of the vector table.
+        entry!($interrupt, LINE);
+    };
+}
+
+/// Makes the entry of the vector table for a task that has another name.
+macro_rules! entry {
+    ($interrupt:ident, $task:ident) => {
         #[unsafe(no_mangle)]
         unsafe extern "C" fn $interrupt() {
             unsafe extern "Rust" {
-                fn LINE();
+                fn $task();
             }
             // SAFETY: the task, as RTIC has exported it; the processor calls it here, and nothing else does.
-            unsafe { LINE() }
+            unsafe { $task() }
         }
     };
 }
+pub(crate) use entry;
 
 include!(concat!(env!("OUT_DIR"), "/board.rs"));

@@ -1,0 +1,333 @@
+//! CAN controller FDCAN1 with its message RAM (RM0440, chapter 44): three buffers out; three places in, which an interrupt
+//! empties into a queue. CAN FD for moteus, classic CAN for the others.
+//!
+//! Nothing waits without bound. Frames go out in the order in which they came. The controller repeats a frame
+//! until a drive has acknowledged it. Frames come in from the drives alone: a filter for each of them keeps others out.
+#![allow(unsafe_code)]
+
+use crate::clock::Clocks;
+use crate::parts::Rcc;
+use core::cell::Cell;
+use core::sync::atomic::{AtomicU32, Ordering};
+use cortex_m::interrupt::{Mutex, free};
+use cortex_m::peripheral::NVIC;
+use embedded_can::{ErrorKind, ExtendedId, Frame, Id, StandardId};
+use heapless::spsc::{Consumer, Producer};
+use stm32_metapac::can::Fdcan;
+use stm32_metapac::can::regs::{Rxgfc, Txbar, Txbcr};
+use stm32_metapac::can::vals::Tfqm;
+use stm32_metapac::{FDCAN1, FDCANRAM1, Interrupt, interrupt};
+use trirrr_app::scene::drive::BIT_RATE_HZ;
+#[cfg(not(drive = "moteus"))]
+pub(crate) use trirrr_drives::can::ClassicFrame as BusFrame;
+#[cfg(drive = "moteus")]
+pub(crate) use trirrr_drives::can::FdFrame as BusFrame;
+#[cfg(drive = "moteus")]
+use trirrr_drives::can::Moteus;
+use trirrr_drives::can::{BitTiming, Bus, FdTiming, length_code, length_of};
+
+/// Frames that were lost: the interrupt came too late, or the queue was full. The interrupt alone adds.
+pub(super) static LOST: AtomicU32 = AtomicU32::new(0);
+
+/// FDCAN1 as the tick sees it: the buffers of frames that go out, and the queue of what came in.
+pub(crate) struct BusController {
+    can: Fdcan,
+    /// The start has not failed.
+    runs: bool,
+    inbox: Consumer<'static, BusFrame>,
+}
+
+/// FDCAN1 as its interrupt sees it: the places of received frames, and the queue.
+struct FrameReceiver {
+    frames: Producer<'static, BusFrame>,
+}
+
+/// The controller is off the bus, or did not start.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Off;
+
+impl embedded_can::Error for Off {
+    fn kind(&self) -> ErrorKind {
+        ErrorKind::Other
+    }
+}
+
+/// Reads of an acknowledgement that comes within a frame.
+const READS: u32 = 10_000;
+
+/// Bits on the bus.
+pub(super) enum BusTiming {
+    /// Of one rate.
+    #[cfg_attr(drive = "moteus", allow(dead_code))]
+    Classic(BitTiming),
+    /// Of a higher rate in the data.
+    #[cfg_attr(not(drive = "moteus"), allow(dead_code))]
+    Fd(FdTiming),
+}
+
+/// BusTiming with the clock of the PLL. An image whose bits would take another time is not built.
+const TIMING: BusTiming = {
+    let clock_hz = crate::clock::FAST.apb1;
+    #[cfg(drive = "moteus")]
+    let timing = match FdTiming::new(clock_hz, BIT_RATE_HZ, Moteus::DATA_RATE_HZ) {
+        Some(timing) => BusTiming::Fd(timing),
+        None => panic!("the clock of the controller is no multiple of the bit rates of moteus"),
+    };
+    #[cfg(not(drive = "moteus"))]
+    let timing = match BitTiming::new(clock_hz, BIT_RATE_HZ) {
+        Some(timing) => BusTiming::Classic(timing),
+        None => {
+            panic!("bit_rate_hz of the scene: the clock of the controller is no multiple of it")
+        }
+    };
+    timing
+};
+
+/// Words of a frame in the message RAM: two of its head, 16 of data.
+const PLACE: usize = 18;
+
+impl BusController {
+    /// BusTiming of the scene's bits. Only for a board that runs from its crystal and the PLL.
+    pub(super) fn timing(_: &Clocks) -> Option<BusTiming> {
+        Some(TIMING)
+    }
+
+    /// Starts the controller with this bit timing, or fails without one. It takes frames whose identifiers are those of
+    /// `filters` in the bits that count. The controller takes part once the bus has been idle.
+    pub(super) fn start(
+        can: Fdcan,
+        _: &mut Rcc,
+        timing: Option<BusTiming>,
+        filters: &[(u16, u16); 3],
+        frames: Producer<'static, BusFrame>,
+        inbox: Consumer<'static, BusFrame>,
+    ) -> Self {
+        let runs = configure(can, timing, filters);
+        if !runs {
+            defmt::error!("the CAN controller does not start");
+        }
+        let receiver = FrameReceiver { frames };
+        free(|section| RECEIVER.borrow(section).set(Some(receiver)));
+        // SAFETY: the interrupt has the registers of reception for itself, the tick those of transmission. No task
+        // shares anything with the interrupt, so no lock has to keep it out.
+        unsafe { NVIC::unmask(Interrupt::FDCAN1_IT0) };
+        Self { can, runs, inbox }
+    }
+}
+
+/// Sets timing and filters. Returns `false` if that is not possible.
+fn configure(can: Fdcan, timing: Option<BusTiming>, filters: &[(u16, u16); 3]) -> bool {
+    let Some(timing) = timing else {
+        return false;
+    };
+    can.cccr().modify(|w| w.set_init(true));
+    if !(0..READS).any(|_| can.cccr().read().init()) {
+        return false;
+    }
+    can.cccr().modify(|w| w.set_cce(true));
+    let nominal = match timing {
+        BusTiming::Classic(nominal) => nominal,
+        BusTiming::Fd(FdTiming {
+            nominal,
+            data,
+            compensation,
+        }) => {
+            can.cccr().modify(|w| {
+                w.set_fdoe(true);
+                w.set_brse(true);
+            });
+            can.dbtp().write(|w| {
+                w.set_dbrp((data.prescaler - 1) as u8);
+                w.set_dtseg1(data.before_sample - 1);
+                w.set_dtseg2(data.after_sample - 1);
+                w.set_dsjw(data.after_sample - 1);
+                // A bit comes back later than it lasts: sampled where the measured delay puts it.
+                w.set_tdc(true);
+            });
+            can.tdcr().write(|w| w.set_tdco(compensation));
+            nominal
+        }
+    };
+    can.nbtp().write(|w| {
+        w.set_nbrp((nominal.prescaler - 1) as u16);
+        w.set_ntseg1(nominal.before_sample - 1);
+        w.set_ntseg2(nominal.after_sample - 1);
+        w.set_nsjw((nominal.after_sample - 1).min(15));
+    });
+    // The RAM is noise after power-on, and a place without a filter would be one.
+    const { assert!(PLACE * 3 == 54) };
+    for (index, (id, mask)) in filters.iter().enumerate() {
+        let (id, mask) = (u32::from(*id), u32::from(*mask));
+        // Both kinds of identifiers, each into FIFO 0 by identifier and mask (RM0440, 44.3.9 and 44.3.10). An identifier
+        // of more than eleven bits is of the long kind alone.
+        let standard = match id > 0x7FF {
+            true => 0,
+            false => 2 << 30 | 1 << 27 | id << 16 | mask & 0x7FF,
+        };
+        FDCANRAM1.flssa(index).write_value(standard);
+        // Bits beyond the mask have to be 0.
+        let extended = [1 << 29 | id, 2 << 30 | 0x1FFF_8000 | mask];
+        for (word, value) in extended.into_iter().enumerate() {
+            FDCANRAM1.flesa(2 * index + word).write_value(value);
+        }
+    }
+    // Three filters of each kind. All else, and every remote frame, is rejected.
+    let long = if cfg!(drive = "moteus") { 3 << 24 } else { 0 };
+    can.rxgfc()
+        .write_value(Rxgfc(long | 3 << 16 | 0b10 << 4 | 0b10 << 2 | 0b11));
+    can.txbc().write(|w| w.set_tfqm(Tfqm::FIFO));
+    can.ie().write(|w| {
+        w.set_rfne(0, true);
+        w.set_rfle(0, true);
+    });
+    can.ile().write(|w| w.set_eint0(true));
+    can.cccr().modify(|w| w.set_init(false));
+    true
+}
+
+impl FrameReceiver {
+    /// Takes the frames that are there into the queue. One that comes meanwhile calls the interrupt again.
+    #[inline(always)]
+    fn run(&mut self) {
+        let flags = FDCAN1.ir().read();
+        FDCAN1.ir().write_value(flags);
+        if flags.rfl(0) {
+            count_lost();
+        }
+        for _ in 0..3 {
+            let status = FDCAN1.rxfs(0).read();
+            if status.ffl() == 0 {
+                return;
+            }
+            let place = status.fgi();
+            let frame = received(usize::from(place.min(2)) * PLACE);
+            FDCAN1.rxfa(0).write(|w| w.set_fai(place));
+            if let Some(frame) = frame
+                && self.frames.enqueue(frame).is_err()
+            {
+                count_lost();
+            }
+        }
+    }
+}
+
+/// Word of the message RAM at `first` behind `start`.
+#[inline(always)]
+fn word(start: *mut u32, first: usize) -> *mut u32 {
+    start.wrapping_add(first)
+}
+
+/// The frame of FIFO 0 at word `first`, of which there are 54.
+#[inline(always)]
+fn received(first: usize) -> Option<BusFrame> {
+    let start = word(FDCANRAM1.rxfifo0(0).as_ptr(), first);
+    // SAFETY: a word of the message RAM, whose places begin within 54 words and are 18 words long.
+    let read = |at: usize| unsafe { word(start, at).read_volatile() };
+    let (head, kind) = (read(0), read(1));
+    let id = match head & 1 << 30 != 0 {
+        true => ExtendedId::new(head & 0x1FFF_FFFF).map(Id::Extended),
+        false => StandardId::new((head >> 18 & 0x7FF) as u16).map(Id::Standard),
+    };
+    let mut data = [0; 64];
+    for (at, bytes) in data.as_chunks_mut().0.iter_mut().enumerate() {
+        *bytes = read(2 + at).to_le_bytes();
+    }
+    // A classic frame may say that it has more than eight bytes, and has eight.
+    let length = match (kind >> 21 & 1 != 0, length_of((kind >> 16) as u8)) {
+        (true, length) => length,
+        (false, length) => length.min(8),
+    };
+    BusFrame::new(id?, data.get(..length)?)
+}
+
+/// Reception, until the interrupt has taken it.
+static RECEIVER: Mutex<Cell<Option<FrameReceiver>>> = Mutex::new(Cell::new(None));
+
+/// Moves frames from the bus into their queue. Above the tick, and everything else: the controller holds three frames, and a tick may
+/// take longer than three take to come.
+#[interrupt]
+fn FDCAN1_IT0() {
+    static mut OWN: Option<FrameReceiver> = None;
+    if OWN.is_none() {
+        *OWN = free(|section| RECEIVER.borrow(section).take());
+    }
+    if let Some(receiver) = OWN {
+        receiver.run();
+    }
+}
+
+/// Counts a lost frame.
+#[cold]
+fn count_lost() {
+    // A load and a store would do: the log, which sets the count to 0, is below.
+    LOST.fetch_add(1, Ordering::Relaxed);
+}
+
+impl embedded_can::nb::Can for BusController {
+    type Frame = BusFrame;
+    type Error = Off;
+
+    #[inline]
+    fn transmit(&mut self, frame: &BusFrame) -> nb::Result<Option<BusFrame>, Off> {
+        if !self.runs {
+            return Err(nb::Error::Other(Off));
+        }
+        if self.can.psr().read().bo() {
+            // Back on the bus after 128 times 11 recessive bits.
+            self.can.cccr().modify(|w| w.set_init(false));
+            return Err(nb::Error::Other(Off));
+        }
+        let status = self.can.txfqs().read();
+        if status.tfqf() {
+            return Err(nb::Error::WouldBlock);
+        }
+        let Some(code) = length_code(frame.dlc()) else {
+            return Err(nb::Error::Other(Off));
+        };
+        let place = status.tfqpi().min(2);
+        let start = word(FDCANRAM1.txbuf(0).as_ptr(), usize::from(place) * PLACE);
+        // SAFETY: a word of the message RAM, whose places begin within 54 words and are 18 words long; the controller reads
+        // none of a place before it is asked to.
+        let write = |at: usize, value: u32| unsafe { word(start, at).write_volatile(value) };
+        let remote = u32::from(frame.is_remote_frame()) << 29;
+        write(
+            0,
+            remote
+                | match frame.id() {
+                    Id::Standard(id) => u32::from(id.as_raw()) << 18,
+                    Id::Extended(id) => 1 << 30 | id.as_raw(),
+                },
+        );
+        // CAN FD with its other rate in the data.
+        let fd = if cfg!(drive = "moteus") {
+            0b11 << 20
+        } else {
+            0
+        };
+        write(1, fd | u32::from(code) << 16);
+        for (at, bytes) in frame.data().chunks(4).enumerate() {
+            let mut whole = [0; 4];
+            for (to, from) in whole.iter_mut().zip(bytes) {
+                *to = *from;
+            }
+            write(2 + at, u32::from_le_bytes(whole));
+        }
+        self.can.txbar().write_value(Txbar(1 << place));
+        Ok(None)
+    }
+
+    #[inline]
+    fn receive(&mut self) -> nb::Result<BusFrame, Off> {
+        self.inbox.dequeue().ok_or(nb::Error::WouldBlock)
+    }
+}
+
+impl Bus for BusController {
+    fn abort(&mut self) {
+        if self.runs {
+            self.can.txbcr().write_value(Txbcr(0b111));
+            // A frame under way goes to its end: 135 bits.
+            let _ = (0..READS).any(|_| self.can.txbrp().read().0 & 0b111 == 0);
+        }
+    }
+}

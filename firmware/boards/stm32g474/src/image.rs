@@ -1,0 +1,22 @@
+//! STM32G474: an image of the program that the STM32s share.
+#![cfg_attr(target_os = "none", no_std, no_main)]
+
+#[cfg(target_os = "none")]
+mod chip;
+#[cfg(target_os = "none")]
+mod clock;
+#[cfg(target_os = "none")]
+#[path = "../../stm32/metapac/mod.rs"]
+mod metapac;
+#[cfg(target_os = "none")]
+mod parts;
+#[cfg(target_os = "none")]
+#[path = "../../stm32/mod.rs"]
+mod stm32;
+#[cfg(target_os = "none")]
+use {metapac::*, stm32::*};
+
+#[cfg(not(target_os = "none"))]
+fn main() {
+    trirrr_app::refuse_host("cargo fw-g474")
+}
