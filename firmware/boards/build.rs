@@ -7,10 +7,10 @@ use std::process;
 
 /// Boards: package, Rust target, and linker script.
 const BOARDS: [(&str, &str, &str); 3] = [
-    // From cortex-m-rt. It includes `memory.x`, which the linker finds in the folder of the package.
+    // From cortex-m-rt. It includes the `memory.x` of the root, which includes the `regions.x` of the package.
     ("trirrr-stm32f405", "thumbv7em-none-eabihf", "link.x"),
-    // A whole one of its own: cortex-m-rt has none for its second stage.
     ("trirrr-stm32g474", "thumbv7em-none-eabihf", "link.x"),
+    // A whole one of its own: cortex-m-rt has none for a second stage.
     ("trirrr-rp2040", "thumbv6m-none-eabi", "rp2040.x"),
 ];
 
@@ -66,7 +66,8 @@ fn link() -> Result<(), Box<dyn Error>> {
             own.display().to_string()
         }
         false => {
-            println!("cargo:rerun-if-changed={here}/memory.x");
+            println!("cargo:rerun-if-changed={here}/../../../memory.x");
+            println!("cargo:rerun-if-changed={here}/regions.x");
             println!("cargo:rustc-link-search={here}");
             (*script).to_owned()
         }

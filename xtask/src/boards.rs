@@ -5,14 +5,14 @@ use crate::elf::Memory;
 /// The target of the firmware for the STM32F405, which is emulated and measured for every scene.
 pub(crate) const FIRMWARE_TARGET: &str = "thumbv7em-none-eabihf";
 
-/// The STM32F405's memory, as in its `memory.x`.
+/// The STM32F405's memory, as in its `regions.x`.
 pub(crate) const FIRMWARE_MEMORY: Memory = Memory {
     vectors: 0x0800_0000,
     flash: (0x0800_0000, 1024 * 1024),
     ram: (0x2000_0000, 128 * 1024),
 };
 
-/// The STM32G474's memory, as in its `memory.x`.
+/// The STM32G474's memory, as in its `regions.x`.
 pub(crate) const G474_MEMORY: Memory = Memory {
     flash: (0x0800_0000, 512 * 1024),
     ..FIRMWARE_MEMORY

@@ -11,7 +11,7 @@ trirrr_app::failure_handlers!(Stm32f405);
 pub(crate) struct Stm32f405;
 
 impl Chip for Stm32f405 {
-    /// As in `memory.x`.
+    /// As in `regions.x`.
     const RAM: Range<usize> = 0x2000_0000..0x2002_0000;
 
     /// Resets the ports A to E. Every pin becomes an input, as in a reset; the wiring has to take that for off

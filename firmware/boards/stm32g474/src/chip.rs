@@ -10,7 +10,7 @@ trirrr_app::failure_handlers!(Stm32g474);
 struct Stm32g474;
 
 impl Chip for Stm32g474 {
-    /// As in `memory.x`.
+    /// As in `regions.x`.
     const RAM: Range<usize> = 0x2000_0000..0x2002_0000;
 
     /// Resets the ports A to G. Every pin is let go, as in a reset; the wiring has to take that for off (`docs/board.md`).
