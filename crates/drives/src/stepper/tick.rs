@@ -41,29 +41,26 @@ impl<'l, N: Countable> Steppers<'l, N> {
             self.line.off();
             return Ok(());
         }
-        let before = self.angles();
-        for (index, (motor, to)) in self.motors.iter_mut().zip(&output.motors).enumerate() {
-            if let Err(refused) = motor.move_to(to.angle) {
-                return Err(self.take_back(before, index as u8, refused));
+        let [a, b, c] = &output.motors;
+        let [first, second, third] = &self.motors;
+        let next = [
+            first.ahead(a.angle),
+            second.ahead(b.angle),
+            third.ahead(c.angle),
+        ];
+        for (index, next) in next.iter().enumerate() {
+            if let Err(refused) = next {
+                return Err(too_fast(index as u8, *refused));
+            }
+        }
+        for (motor, next) in self.motors.iter_mut().zip(next) {
+            if let Ok(next) = next {
+                motor.arrive(next);
             }
         }
         self.line
-            .give(self.motors.each_ref().map(|motor| motor.position()));
+            .give(self.motors.each_ref().map(|motor| motor.place()));
         Ok(())
-    }
-
-    /// Returns all motors to the angles `before`.
-    #[cold]
-    fn take_back(&mut self, before: [N::Angle; 3], drive: u8, refused: TooManySteps) -> Failure<N> {
-        for (motor, angle) in self.motors.iter_mut().zip(before) {
-            // Not refused: the steps back are those that were just accepted.
-            let _ = motor.move_to(angle);
-        }
-        Failure {
-            value: N::ratio(refused.steps.unsigned_abs(), refused.most.max(1)),
-            limit: N::ONE,
-            ..Failure::of(DriveFault::StepRate, Some(drive))
-        }
     }
 
     /// Switches the drives off.
@@ -82,5 +79,15 @@ impl<'l, N: Countable> Steppers<'l, N> {
         for (motor, by) in self.motors.iter_mut().zip(by) {
             motor.set_angle(motor.angle() + by);
         }
+    }
+}
+
+/// Failure of a motor that would have to step faster than its driver can.
+#[cold]
+fn too_fast<N: Countable>(drive: u8, refused: TooManySteps) -> Failure<N> {
+    Failure {
+        value: N::ratio(refused.steps.unsigned_abs(), refused.most.max(1)),
+        limit: N::ONE,
+        ..Failure::of(DriveFault::StepRate, Some(drive))
     }
 }
