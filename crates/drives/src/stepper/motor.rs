@@ -45,7 +45,7 @@ impl StepsPerTurn {
 
 /// Way that an angle turns back before the position follows, to either side of it: 1/16 of a microstep, in 2^-32 of one. An angle
 /// that rests between two microsteps, with its last bits going up and down, steps once and not back and forth.
-pub(super) const PLAY: i64 = 1 << 28;
+const PLAY: i64 = 1 << 28;
 
 /// Half a microstep.
 const HALF: i64 = 1 << 31;
@@ -327,6 +327,6 @@ mod tests {
             })
         );
         assert_eq!((motor.position(), motor.angle()), (0, 0.0));
-        assert_eq!(motor.move_to(-0.3), Ok(-10));
+        assert_eq!(motor.move_to(-0.32), Ok(-10)); // -10.2
     }
 }

@@ -133,7 +133,7 @@ mod tests {
         (100, -13 * MICROSTEP - 90, 29),
         (128, 127, 5),
         (0, 0, 5),
-        (127, 128, 1),
+        (120, 136, 1),
         (-128, MICROSTEP, 2),
         (-77, 100 * MICROSTEP, 201),
         // Across the end of the numbers.
@@ -193,7 +193,7 @@ mod tests {
     #[test]
     fn a_line_goes_on_where_the_last_one_ended() {
         // 1.5 microsteps in each tick of 30 slots: a step every 20 slots, whatever tick it falls into.
-        let (mut at, mut slot, mut steps) = (0, 0, Vec::new());
+        let (mut at, mut slot, mut steps) = (10, 0, Vec::new());
         for _ in 0..40 {
             let to = at + 3 * MICROSTEP / 2;
             let mut walk = Schedule::new(at, to, 30).walk();
