@@ -53,16 +53,17 @@ struct Hold {
 fn hold(folder: &TempDir, device: &Device) -> Hold {
     let scene = Scene::read(folder.path().join("scene.toml")).unwrap();
     let mut asker = Asker::new(&device.address);
-    asker
-        .ask(0, Command::Hello(local::hello::<f64>(&scene)))
-        .unwrap();
+    let greeting = Command::Hello(local::hello::<f64>(&scene));
+    let Some(Reply::Hello(identity)) = asker.ask(1, greeting) else {
+        panic!("no hello");
+    };
     let every = Command::Telemetry {
         every: 1,
         fields: TelemetryFields::ALL,
     };
-    asker.ask(1, every).unwrap();
+    assert_eq!(asker.ask(identity.next_sequence, every), Some(Reply::Done));
     let sample = asker.sample();
-    let Some(Reply::Status(status)) = asker.ask(2, Command::Status) else {
+    let Some(Reply::Status(status)) = asker.ask(identity.next_sequence + 1, Command::Status) else {
         panic!("no status");
     };
     let end = status.end.unwrap().pose;
