@@ -82,7 +82,10 @@ fn without(whole: &PlatformParameters, part: &MountableTool) -> PlatformParamete
         return *whole;
     }
     let com_m = (whole.com_m * whole.mass_kg - of_part * part.mass_kg) / mass_kg;
-    let about = |mass: f64, com: Vector2<f64>| mass * (com - whole.com_m).norm_squared();
+    let about = |mass: f64, com: Vector2<f64>| {
+        let arm = com - whole.com_m;
+        mass * arm.dot(&arm)
+    };
     PlatformParameters {
         mass_kg,
         inertia_kgm2: whole.inertia_kgm2
@@ -102,7 +105,10 @@ fn carrying(bare: &PlatformParameters, tool: &MountableTool) -> PlatformParamete
         return *bare;
     }
     let com_m = (bare.com_m * bare.mass_kg + of_tool * tool.mass_kg) / mass_kg;
-    let about = |mass: f64, com: Vector2<f64>| mass * (com - com_m).norm_squared();
+    let about = |mass: f64, com: Vector2<f64>| {
+        let arm = com - com_m;
+        mass * arm.dot(&arm)
+    };
     PlatformParameters {
         mass_kg,
         inertia_kgm2: bare.inertia_kgm2
