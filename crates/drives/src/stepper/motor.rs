@@ -66,9 +66,9 @@ pub struct StepMotor<N: Countable> {
     place: i64,
 }
 
-/// Motor after a tick: the result of [`StepMotor::ahead`].
+/// Where a motor stands after a tick.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ahead<N: Countable> {
+pub(super) struct MotorPlace<N: Countable> {
     angle: N::Angle,
     winding: Winding,
     place: i64,
@@ -139,18 +139,6 @@ impl<N: Countable> StepMotor<N> {
     /// [`TooManySteps`]; the motor stays where it is.
     #[inline]
     pub fn move_to(&mut self, angle: N::Angle) -> Result<i32, TooManySteps> {
-        let before = self.position();
-        let next = self.ahead(angle)?;
-        self.arrive(next);
-        Ok(self.position().wrapping_sub(before))
-    }
-
-    /// Motor at `angle`, the short way round.
-    ///
-    /// # Errors
-    /// [`TooManySteps`]
-    #[inline(always)]
-    pub(super) fn ahead(&self, angle: N::Angle) -> Result<Ahead<N>, TooManySteps> {
         let winding = self.winding.after::<N>(angle);
         let exact = self.per_turn.times(winding).wrapping_sub(self.origin);
         let way = exact.wrapping_sub(self.place);
@@ -168,19 +156,30 @@ impl<N: Countable> StepMotor<N> {
                 most: self.most_per_tick,
             });
         }
-        Ok(Ahead {
+        self.return_to(MotorPlace {
             angle,
             winding,
             place,
-        })
+        });
+        Ok(steps)
     }
 
-    /// Moves the motor to where [`Self::ahead`] found it.
+    /// Where the motor stands.
     #[inline(always)]
-    pub(super) fn arrive(&mut self, next: Ahead<N>) {
-        self.angle = next.angle;
-        self.winding = next.winding;
-        self.place = next.place;
+    pub(super) fn stands(&self) -> MotorPlace<N> {
+        MotorPlace {
+            angle: self.angle,
+            winding: self.winding,
+            place: self.place,
+        }
+    }
+
+    /// Takes the motor to where it [stood](Self::stands), in the bits.
+    #[inline(always)]
+    pub(super) fn return_to(&mut self, stood: MotorPlace<N>) {
+        self.angle = stood.angle;
+        self.winding = stood.winding;
+        self.place = stood.place;
     }
 }
 

@@ -1,7 +1,7 @@
 //! Half in the tick: from angles to positions.
 
 use super::line::Line;
-use super::motor::{StepMotor, StepsPerTurn, TooManySteps};
+use super::motor::{MotorPlace, StepMotor, StepsPerTurn, TooManySteps};
 use crate::Failure;
 use crate::count::Countable;
 use trirrr_protocol::message::DriveFault;
@@ -41,26 +41,33 @@ impl<'l, N: Countable> Steppers<'l, N> {
             self.line.off();
             return Ok(());
         }
-        let [a, b, c] = &output.motors;
-        let [first, second, third] = &self.motors;
-        let next = [
-            first.ahead(a.angle),
-            second.ahead(b.angle),
-            third.ahead(c.angle),
-        ];
-        for (index, next) in next.iter().enumerate() {
-            if let Err(refused) = next {
-                return Err(too_fast(index as u8, *refused));
-            }
-        }
-        for (motor, next) in self.motors.iter_mut().zip(next) {
-            if let Ok(next) = next {
-                motor.arrive(next);
+        let before = self.motors.each_ref().map(|motor| motor.stands());
+        for (index, (motor, to)) in self.motors.iter_mut().zip(&output.motors).enumerate() {
+            if let Err(refused) = motor.move_to(to.angle) {
+                return Err(self.take_back(before, index as u8, refused));
             }
         }
         self.line
             .give(self.motors.each_ref().map(|motor| motor.place()));
         Ok(())
+    }
+
+    /// Returns all motors to where they stood before.
+    #[cold]
+    fn take_back(
+        &mut self,
+        before: [MotorPlace<N>; 3],
+        drive: u8,
+        refused: TooManySteps,
+    ) -> Failure<N> {
+        for (motor, stood) in self.motors.iter_mut().zip(before) {
+            motor.return_to(stood);
+        }
+        Failure {
+            value: N::ratio(refused.steps.unsigned_abs(), refused.most.max(1)),
+            limit: N::ONE,
+            ..Failure::of(DriveFault::StepRate, Some(drive))
+        }
     }
 
     /// Switches the drives off.
@@ -79,15 +86,5 @@ impl<'l, N: Countable> Steppers<'l, N> {
         for (motor, by) in self.motors.iter_mut().zip(by) {
             motor.set_angle(motor.angle() + by);
         }
-    }
-}
-
-/// Failure of a motor that would have to step faster than its driver can.
-#[cold]
-fn too_fast<N: Countable>(drive: u8, refused: TooManySteps) -> Failure<N> {
-    Failure {
-        value: N::ratio(refused.steps.unsigned_abs(), refused.most.max(1)),
-        limit: N::ONE,
-        ..Failure::of(DriveFault::StepRate, Some(drive))
     }
 }
