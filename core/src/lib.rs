@@ -49,6 +49,7 @@
 //!         mass_kg: 0.5,
 //!         inertia_kgm2: 0.0025,
 //!         com_m: Vector2::new(0.0, 0.0),
+//!         tool_point_m: Vector2::new(0.0, 0.0),
 //!     },
 //!     gravity_m_s2: Vector2::new(0.0, 0.0),
 //!     wrench_force_n: Vector2::new(0.0, 0.0),

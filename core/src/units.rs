@@ -113,6 +113,7 @@ impl Units {
                 mass_kg: parameters.platform.mass_kg * mass,
                 inertia_kgm2: parameters.platform.inertia_kgm2 * inertia,
                 com_m: parameters.platform.com_m * length,
+                tool_point_m: parameters.platform.tool_point_m * length,
             },
             gravity_m_s2: parameters.gravity_m_s2 / self.of(1, -2, 0),
             wrench_force_n: parameters.wrench_force_n * force,

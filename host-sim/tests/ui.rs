@@ -116,6 +116,32 @@ fn only_the_page_itself_gets_to_the_board() {
 }
 
 #[test]
+fn a_scene_is_served_with_the_file_of_its_machine() {
+    let folder = folder_with_page();
+    fs::write(folder.path().join("job.toml"), "machine = \"my.toml\"\n").expect("written");
+    let served = Served::new(folder.path(), "job.toml", &[]);
+    let machine = served.get("/machine.toml", &served.address);
+    assert!(machine.starts_with("HTTP/1.1 200"), "{machine}");
+    assert!(machine.ends_with("name = \"one\"\n"), "{machine}");
+    // No other file is served, and none to another site.
+    let page = served.get("/my.toml", &served.address);
+    assert!(page.starts_with("HTTP/1.1 404"), "{page}");
+    let other = served.get("/machine.toml", "example.org");
+    assert!(other.starts_with("HTTP/1.1 403"), "{other}");
+    let alone = Served::new(folder.path(), "my.toml", &[]);
+    let none = alone.get("/machine.toml", &alone.address);
+    assert!(none.starts_with("HTTP/1.1 404"), "{none}");
+    fs::write(folder.path().join("lost.toml"), "machine = \"none.toml\"\n").expect("written");
+    let arguments = ["ui", "lost.toml", "--port", "0", "--page", "page.html"];
+    let refused = common::command(folder.path(), &arguments)
+        .output()
+        .expect("an end");
+    assert_eq!(refused.status.code(), Some(2));
+    let why = String::from_utf8_lossy(&refused.stderr);
+    assert!(why.contains("machine = none.toml: cannot be read"), "{why}");
+}
+
+#[test]
 fn bytes_go_both_ways_for_one_page_at_a_time() {
     let folder = folder_with_page();
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");

@@ -272,6 +272,7 @@ fn assemble(size: f64, state: &State, legs: &[Leg; 3], loads: &Loads) -> Case {
             mass_kg: loads.mass,
             inertia_kgm2: loads.mass * (loads.radius * size) * (loads.radius * size),
             com_m: Vector2::from(loads.com) * (0.3 * size),
+            tool_point_m: Vector2::new(0.0, 0.0),
         },
         gravity_m_s2: Vector2::from(loads.gravity) * size,
         wrench_force_n: Vector2::from(loads.force) * force,

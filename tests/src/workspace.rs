@@ -65,6 +65,7 @@ pub fn machine(case: &Case, draw: &mut Draw) -> (Parameters, Coordinates, f64) {
             mass_kg: mass,
             inertia_kgm2: mass * draw.log_within(1e-3, 2e-2),
             com_m: pair(draw, 0.3, 0.02),
+            tool_point_m: Vector2::new(0.0, 0.0),
         },
         gravity_m_s2: match draw.chance(0.3) {
             true => Vector2::new(0.0, -9.81),

@@ -3,6 +3,7 @@
 import asyncio
 import contextlib
 import io
+import math
 import sys
 import threading
 import time
@@ -10,8 +11,10 @@ import unittest
 
 from programs import SCENES, Device
 from trirrr import AsyncBoard, Board
+from trirrr.board import Carried
 from trirrr.exchange import Refused
 from trirrr.goals import NoMotion
+from trirrr.messages import Command, SectionName
 from trirrr.ports import PortError
 from trirrr.stream import JobFailed
 
@@ -102,6 +105,28 @@ class Boards(unittest.TestCase):
         with Device("thesis.toml") as one, Device("thesis.toml") as other:
             ends = asyncio.run(both([one, other]))
         self.assertEqual(ends[0], ends[1])
+
+    def test_an_exchanged_tool_is_another_tool_point(self) -> None:
+        # Of scenes/tools.toml: a platform of 0.5 kg with its centre of mass at the middle, and the gripper.
+        mass, part = 0.85, 0.35 / 0.85
+        com = (0.02 * part - 0.03, 0.03 * part - 0.05)
+        # Two bodies about their common centre: their reduced mass at their distance.
+        inertia = 0.0025 + 4e-4 + 0.5 * part * (0.02**2 + 0.03**2)
+        gripper = Carried(mass, inertia, com, (0.03, 0.05))
+        with Device("tools.toml") as address, Board.connect(address) as board:
+            board.enable()
+            x, y, alpha = board.status().end
+            found = board.mount(gripper)
+            cos, sin = math.cos(alpha), math.sin(alpha)
+            # The pen's point is at (0, 0.03).
+            wanted = (x + 0.03 * cos - 0.02 * sin, y + 0.03 * sin + 0.02 * cos, alpha)
+            for have, want in zip(found, wanted, strict=True):
+                self.assertAlmostEqual(have, want, places=6)
+            told = board._ask(Command.Read(SectionName.Platform())).content
+            self.assertEqual((told.mass_kg, told.tool_point_m), (mass, (0.03, 0.05)))
+            with self.assertRaises(Refused):
+                board.mount(Carried(-1.0, inertia, com, (0.0, 0.0)))
+            self.assertAlmostEqual(board.status().end[0], wanted[0], places=6)
 
     def test_a_machine_is_homed(self) -> None:
         with Device("pick-home.toml", speed=1.0) as address, Board.connect(address) as board:

@@ -102,6 +102,14 @@ class Arrays(unittest.TestCase):
             total -= 0.05 * (elbow + 0.1 / leg.distal_m * (joint - elbow)) @ gravity
         return total
 
+    def test_tools_of_a_scene_are_platforms(self) -> None:
+        machine = Machine.from_scene(SCENES / "tools.toml")
+        self.assertEqual(list(machine.tools), ["pen", "gripper"])
+        gripper = machine.tools["gripper"]
+        self.assertEqual((gripper.mass_kg, gripper.tool_point_m), (0.85, (0.03, 0.05)))
+        np.testing.assert_allclose(gripper.com_m, (0.02 * 0.35 / 0.85 - 0.03, 0.03 * 0.35 / 0.85 - 0.05))
+        self.assertEqual(thesis().tools, {})
+
     def test_shapes_follow_the_arguments_and_broadcast(self) -> None:
         one = self.machine.torques(self.poses[0])
         self.assertEqual(one.shape, (3,))

@@ -15,13 +15,13 @@ import math
 import os
 import time
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from . import jobs, record, words
 from .exchange import Exchange, Refused
 from .goals import LOOK_S, Mover, NoMotion, Triple
-from .messages import NUMBERS, Command, SectionName
+from .messages import NUMBERS, Command, Section, SectionName
 from .ports import Port, PortError, open_port
 from .postcard import Value
 from .progress import Progress, hearing
@@ -48,6 +48,19 @@ class BoardStatus:
     feed_percent: int
     #: Words on emergency stop and door. ``None`` of a scene that names neither.
     inputs: str | None = None
+
+
+@dataclass(frozen=True)
+class Carried:
+    """The platform with a tool on it. Vectors are in the frame of the platform."""
+
+    mass_kg: float
+    #: Moment of inertia about the centre of mass.
+    inertia_kgm2: float
+    #: Centre of mass, from the tool point.
+    com_m: tuple[float, float]
+    #: Tool point, from the reference point of the bare platform.
+    tool_point_m: tuple[float, float]
 
 
 class BoardError(Exception):
@@ -128,6 +141,26 @@ class Board:
     def clear_fault(self) -> None:
         """Acknowledges a latched fault."""
         self._ask(Command.ClearFault())
+
+    def mount(self, carried: Carried) -> Triple:
+        """Tells an idle machine with ``adjustable`` in its scene that it carries another tool, such as ``machine.tools["gripper"]``.
+
+        The motors stay where they are. Returns where the new tool point is. ``Refused`` says why the machine does not take it.
+        """
+        platform = self._ask(Command.Read(SectionName.Platform())).content
+        # Gravity and the force at the tool stay the machine's.
+        platform = replace(
+            platform,
+            mass_kg=carried.mass_kg,
+            inertia_kgm2=carried.inertia_kgm2,
+            com_m=carried.com_m,
+            tool_point_m=carried.tool_point_m,
+        )
+        self._ask(Command.Replace(Section.Platform(platform)))
+        end = self.status().end
+        if end is None:
+            raise BoardError("the machine does not know where it stands")
+        return end
 
     def home(self) -> Triple:
         """Homes a machine that does not know where its motors are; another one stays where it is. Returns where it stands."""
@@ -281,6 +314,10 @@ class AsyncBoard:
     async def enable(self) -> BoardStatus:
         """As ``Board.enable``."""
         return await asyncio.to_thread(self.board.enable)
+
+    async def mount(self, carried: Carried) -> Triple:
+        """As ``Board.mount``."""
+        return await asyncio.to_thread(self.board.mount, carried)
 
     async def home(self) -> Triple:
         """As ``Board.home``."""

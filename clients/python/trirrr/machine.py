@@ -14,6 +14,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from .board import Carried
 from .errors import MotionError, PlanError, Problem, SceneError
 from .table import Array, Table
 
@@ -171,6 +172,12 @@ class Machine:
             Leg((base[0], base[1]), lengths[0], lengths[1], radius, angle)
             for base, lengths, radius, angle in facts["legs"]
         )
+
+        #: Platform with each tool of the scene, by the tool's name, for ``Board.mount``.
+        self.tools: dict[str, Carried] = {
+            name: Carried(mass, inertia, (com[0], com[1]), (point[0], point[1]))
+            for name, (mass, inertia, (com, point)) in facts["tools"].items()
+        }
 
     @classmethod
     def from_scene(cls, path: str | os.PathLike[str], settings: Sequence[str] = ()) -> Machine:

@@ -62,6 +62,7 @@ Platform = Struct(
     gravity_m_s2=array(F64, 2),
     wrench_force_n=array(F64, 2),
     wrench_torque_nm=F64,
+    tool_point_m=array(F64, 2),
 )
 
 Limits = Struct(

@@ -83,6 +83,7 @@ pub(super) fn closed(pose: [f64; 3], legs: [[f64; 6]; 3]) -> Closed {
             mass_kg: 1.0,
             inertia_kgm2: 1.0,
             com_m: Vector2::new(0.0, 0.0),
+            tool_point_m: Vector2::new(0.0, 0.0),
         },
         gravity_m_s2: Vector2::new(0.0, 0.0),
         wrench_force_n: Vector2::new(0.0, 0.0),

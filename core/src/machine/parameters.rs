@@ -101,9 +101,17 @@ pub struct PlatformParameters {
     pub inertia_kgm2: f64,
     /// Centre of mass relative to the reference point D, in the platform's frame, m.
     pub com_m: Vector2<f64>,
+    /// Place of the reference point D, the tool point, in the frame of the bare platform, m. No stage reads it: all else is given
+    /// from D. [`Parameters::at_tool_point`] takes another tool point.
+    pub tool_point_m: Vector2<f64>,
 }
 
-to_source!(pub [] PlatformParameters [] in trirrr_core::machine { mass_kg, inertia_kgm2, com_m });
+to_source!(pub [] PlatformParameters [] in trirrr_core::machine {
+    mass_kg,
+    inertia_kgm2,
+    com_m,
+    tool_point_m,
+});
 
 /// A whole machine with its loads, in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -128,7 +136,49 @@ to_source!(pub [] Parameters [] in trirrr_core::machine {
     wrench_torque_nm,
 });
 
+impl LegParameters {
+    /// The same leg, with the reference point D of the platform `by` farther in the platform's frame, m.
+    #[must_use]
+    pub fn with_reference_moved(&self, by: Vector2<f64>) -> Self {
+        let (sin, cos) = <f64 as Arithmetic>::sin_cos(self.joint_angle_rad);
+        let joint = Vector2::new(cos, sin) * self.joint_radius_m - by;
+        Self {
+            joint_radius_m: <f64 as Arithmetic>::sqrt(joint.dot(&joint)),
+            joint_angle_rad: <f64 as Arithmetic>::atan2(joint.y, joint.x),
+            ..*self
+        }
+    }
+}
+
+impl PlatformParameters {
+    /// The same platform with its reference point D at `tool_point_m` in the frame of the bare platform, m.
+    #[must_use]
+    pub fn at_tool_point(&self, tool_point_m: Vector2<f64>) -> Self {
+        Self {
+            com_m: self.com_m - (tool_point_m - self.tool_point_m),
+            tool_point_m,
+            ..*self
+        }
+    }
+}
+
 impl Parameters {
+    /// The same machine with the reference point D of its platform at `tool_point_m` in the frame of the bare platform, m: platform joints
+    /// and centre of mass are given from there. The external force acts there.
+    #[must_use]
+    pub fn at_tool_point(&self, tool_point_m: Vector2<f64>) -> Self {
+        let by = tool_point_m - self.platform.tool_point_m;
+        // The bits of an unchanged machine stay.
+        if by == Vector2::new(0.0, 0.0) {
+            return *self;
+        }
+        Self {
+            legs: self.legs.map(|leg| leg.with_reference_moved(by)),
+            platform: self.platform.at_tool_point(tool_point_m),
+            ..*self
+        }
+    }
+
     /// Returns `true` if no link has mass or inertia.
     pub fn links_are_massless(&self) -> bool {
         self.legs
@@ -190,6 +240,7 @@ pub fn example() -> Parameters {
             mass_kg: 0.5,
             inertia_kgm2: 0.0025,
             com_m: Vector2::new(0.0, 0.0),
+            tool_point_m: Vector2::new(0.0, 0.0),
         },
         gravity_m_s2: Vector2::new(0.0, 0.0),
         wrench_force_n: Vector2::new(0.0, 0.0),

@@ -53,6 +53,7 @@ mod spool;
 pub mod tables;
 mod tolerances;
 mod tool;
+mod tools;
 mod unplanned;
 mod visible;
 pub mod words;
@@ -90,6 +91,7 @@ pub use settings::settings;
 pub use spool::{MoveSpool, SpooledMoves};
 pub use tolerances::{BodyTolerances, Tolerances};
 pub use tool::{ToolKind, ToolPort};
+pub use tools::{MountableTool, ToolRack};
 #[doc(hidden)]
 pub use trirrr_core;
 pub use trirrr_core::limits::LimitParameters as Limits;

@@ -2,6 +2,7 @@
 
 use crate::drive::Drive;
 use crate::read::{Bound, Section};
+use crate::tools::{ToolRack, read_tools};
 use nalgebra::Vector2;
 use trirrr_core::machine::{Elbow, LegParameters, LinkParameters, Parameters, PlatformParameters};
 
@@ -27,9 +28,9 @@ struct GivenLinks {
 /// A machine with any number of legs, and its loads.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachineTables {
-    /// Legs in the order of the file. Rotor inertias are 0.
+    /// Legs in the order of the file, about the tool point. Rotor inertias are 0.
     pub legs: Vec<LegParameters>,
-    /// The platform.
+    /// The platform, about its tool point.
     pub platform: PlatformParameters,
     /// Gravity in the plane, m/s^2.
     pub gravity_m_s2: [f64; 2],
@@ -39,20 +40,32 @@ pub struct MachineTables {
     pub wrench_torque_nm: f64,
 }
 
-/// Reads `[machine]`, `[platform]`, `[links]`, `gravity_m_s2` and `[wrench]`. `drives` gives the
-/// rotor inertias.
-pub(crate) fn read_parameters(root: &Section, drives: Option<[Drive; 3]>) -> Option<Parameters> {
-    let tables = read_machine(root, 3, |_, _| ())?;
+/// Reads `[machine]`, `[platform]`, `[[tools]]`, `[links]`, `gravity_m_s2` and `[wrench]`. `drives` gives the
+/// rotor inertias. The platform carries the tool that is mounted.
+pub(crate) fn read_parameters(
+    root: &Section,
+    drives: Option<[Drive; 3]>,
+) -> Option<(Parameters, Option<ToolRack>)> {
+    let tables = read_machine(root, 3, |_, _| ());
+    let rack = read_tools(root);
+    let tables = tables?;
     let mut legs: [LegParameters; 3] = tables.legs.try_into().ok()?;
     for (leg, drive) in legs.iter_mut().zip(drives.iter().flatten()) {
         leg.rotor_inertia_kgm2 = drive.inertia_at_joint_kgm2();
     }
-    Some(Parameters {
+    let bare = Parameters {
         legs,
         platform: tables.platform,
         gravity_m_s2: tables.gravity_m_s2.into(),
         wrench_force_n: tables.wrench_force_n.into(),
         wrench_torque_nm: tables.wrench_torque_nm,
+    };
+    Some(match rack? {
+        Some((tools, mounted)) => {
+            let rack = ToolRack::new(bare.platform, tools, mounted);
+            (rack.put_into(&bare, rack.mounted()), Some(rack))
+        }
+        None => (bare, None),
     })
 }
 
@@ -74,9 +87,19 @@ pub fn read_machine(
         ),
         None => (Some([0.0; 2]), Some(0.0)),
     };
+    let (legs, platform) = (legs?, platform?);
+    let by = platform.tool_point_m;
+    // The bits of a machine without a tool point of its own stay.
+    let legs = match by == Vector2::zeros() {
+        true => legs,
+        false => legs
+            .iter()
+            .map(|leg| leg.with_reference_moved(by))
+            .collect(),
+    };
     Some(MachineTables {
-        legs: legs?,
-        platform: platform?,
+        legs,
+        platform,
         gravity_m_s2: gravity?,
         wrench_force_n: force?,
         wrench_torque_nm: torque?,
@@ -213,21 +236,31 @@ fn read_platform(root: &Section, legs: Option<&[LegParameters]>) -> Option<Platf
     let mass = section.number("mass_kg", Bound::NotNegative);
     let inertia = section.number("inertia_kgm2", Bound::NotNegative);
     let com: Vector2<f64> = section.vector("com_m", Some([0.0; 2]))?.into();
+    let tool: Vector2<f64> = section.vector("tool_point_m", Some([0.0; 2]))?.into();
+    if section.has("tool_point_m") && root.has("tools") {
+        let reason = "each of [[tools]] has a point_m of its own: leave this out";
+        section.refuse("tool_point_m", reason);
+        return None;
+    }
     if let Some(legs) = legs {
         let reaches = legs.iter().map(|leg| leg.proximal_m + leg.distal_m);
         let reach = reaches.fold(0.0, f64::max);
-        if com.x.abs().max(com.y.abs()) > FARTHEST_CENTRE_OF_MASS * reach {
-            let reason = format!(
-                "is more than {FARTHEST_CENTRE_OF_MASS} times the reach of the longest leg, \
-                 {reach:?} m, from the reference point (m)"
-            );
-            section.refuse("com_m", reason);
-            return None;
+        for (key, place) in [("com_m", com), ("tool_point_m", tool)] {
+            if place.x.abs().max(place.y.abs()) > FARTHEST_CENTRE_OF_MASS * reach {
+                let reason = format!(
+                    "is more than {FARTHEST_CENTRE_OF_MASS} times the reach of the longest leg, \
+                     {reach:?} m, from the reference point (m)"
+                );
+                section.refuse(key, reason);
+                return None;
+            }
         }
     }
-    Some(PlatformParameters {
+    let platform = PlatformParameters {
         mass_kg: mass?,
         inertia_kgm2: inertia?,
         com_m: com,
-    })
+        tool_point_m: Vector2::zeros(),
+    };
+    Some(platform.at_tool_point(tool))
 }

@@ -22,6 +22,7 @@ use crate::read::{
 use crate::service::{Service, read_service};
 use crate::tolerances::{Tolerances, read_tolerances};
 use crate::tool::{ToolPort, check_tool, read_tool_port};
+use crate::tools::ToolRack;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -47,6 +48,7 @@ const TOP_KEYS: &[&str] = &[
     "number",
     "torque",
     "gravity_m_s2",
+    "mounted",
 ];
 
 /// A checked scene.
@@ -69,8 +71,11 @@ pub struct Scene {
     pub number: NumberType,
     /// True if the tick computes torques; otherwise it computes position, rate and acceleration alone.
     pub torque: bool,
-    /// The machine with its loads; rotor inertias are those of `drives` behind their gears.
+    /// The machine with its loads; rotor inertias are those of `drives` behind their gears. The reference point D of the platform is the
+    /// tool point.
     pub parameters: Parameters,
+    /// Tools that a client may mount, if the scene names any. The machine carries the mounted one.
+    pub tools: Option<ToolRack>,
     /// The drive of each motor, if the scene names any.
     pub drives: Option<[Drive; 3]>,
     /// Limits that the job must keep.
@@ -272,7 +277,7 @@ impl Scene {
             TOP_KEYS,
             machines,
             |document, root, whole| {
-                let key = key(whole.text.as_bytes());
+                let key = key(whole.keyed().as_bytes());
                 let (mut scene, placed, homing, places) =
                     read_scene(document, root, key, depth, refused)
                         .filter(|_| document.is_clean())?;
@@ -288,9 +293,18 @@ impl Scene {
         )
     }
 
-    /// Returns the kind of model that the scene needs.
+    /// Returns the kind of model that the scene needs, with any of its tools.
     pub fn model(&self) -> ModelKind {
-        ModelKind::of(&self.parameters, self.torque)
+        let own = ModelKind::of(&self.parameters, self.torque);
+        let rack = self.tools.iter();
+        let kinds = rack.flat_map(|rack| {
+            let each = 0..rack.tools().len();
+            each.map(|tool| ModelKind::of(&rack.put_into(&self.parameters, tool), self.torque))
+        });
+        kinds.fold(own, |widest, kind| match kind.has_room_for(widest) {
+            true => kind,
+            false => widest,
+        })
     }
 
     /// Seconds per tick.
@@ -377,7 +391,8 @@ fn read_scene(
         false => Some(true),
     };
     let drives = read_drives(root);
-    let parameters = read_parameters(root, drives.flatten());
+    let (parameters, tools) = read_parameters(root, drives.flatten()).unzip();
+    let tools = tools.flatten();
     let tolerances = read_tolerances(root, parameters.as_ref());
     let limits = read_limits(root);
     let power = read_power(root, rate);
@@ -402,6 +417,11 @@ fn read_scene(
     );
     let inputs = read_inputs(root, rate);
     let service = read_service(root, rate, obstacle_to_planner(number, limits.as_ref()));
+    if tools.is_some() && service.is_some_and(|service| !service.adjustable) {
+        let reason = "an exchanged tool is another platform for the board, which takes one only with \
+                      adjustable = true in [service]";
+        root.refuse_list("tools", reason);
+    }
     let controller = read_controller(root, rate);
     let plant = read_plant(root, drives, controller);
     if torque == Some(false) {
@@ -426,6 +446,7 @@ fn read_scene(
         number: number?,
         torque: torque?,
         parameters: parameters?,
+        tools,
         drives: drives?,
         limits: limits?,
         service: service?,

@@ -3,6 +3,7 @@
 use super::CalibrateArgs;
 use crate::failure::CliError;
 use crate::patched_scene::PatchedScene;
+use nalgebra::Vector2;
 use trirrr_calibration::{Calibration, ParameterGroup};
 use trirrr_scene::{DriveKind, Scene};
 
@@ -21,7 +22,9 @@ pub(super) fn patch(
         let mut indices = calibration.free.iter();
         indices.any(|index| ParameterGroup::of(*index) == group)
     };
+    // The file has platform joints in the frame of the bare platform.
     let machine = calibration.values.put_into(&scene.parameters);
+    let machine = machine.at_tool_point(Vector2::zeros());
     let files = patched.at("machine");
     for (number, leg) in (1..).zip(&machine.legs) {
         let key = |name: &str| format!("machine.leg[{number}].{name}");

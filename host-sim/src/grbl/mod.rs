@@ -13,6 +13,8 @@ pub use args::GrblArgs;
 
 use crate::device::Simulated;
 use crate::failure::CliError;
+use crate::goals::MachineArgs;
+use crate::machine::require_mounted;
 use crate::stream::{Port, PortArgs, conversation, patience};
 use crate::terminal::{print_line, say};
 use driver::{MachineDriver, place_of};
@@ -57,7 +59,19 @@ pub fn command(args: &GrblArgs, stop: &AtomicBool) -> Result<(), CliError> {
             baud: args.baud,
             key: args.key.clone(),
         };
-        return in_number_type!(scalar, N => serve::<N>(args, &scene, &line, door, stop));
+        // Goals and paths are those of the scene's tool.
+        let machine = MachineArgs {
+            scene: args.scene.clone(),
+            set: args.set.clone(),
+            line: line.clone(),
+            scalar: Some(scalar),
+            patience: PATIENCE.as_secs_f64(),
+            feed: None,
+        };
+        return in_number_type!(scalar, N => {
+            require_mounted::<N>(&machine, &scene, stop)?;
+            serve::<N>(args, &scene, &line, door, stop)
+        });
     }
     // The machine that comes along plans paths, whatever its scene says.
     scene.service.plans_paths = true;

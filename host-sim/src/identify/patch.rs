@@ -3,6 +3,7 @@
 use super::{IdentifyArgs, found_friction};
 use crate::failure::CliError;
 use crate::patched_scene::PatchedScene;
+use nalgebra::Vector2;
 use trirrr_calibration::identify::{BodyGroup, Identification};
 use trirrr_scene::Scene;
 
@@ -25,7 +26,11 @@ pub(super) fn patch(
     };
     let (machine, _) = found.values.put_into(&scene.parameters);
     if is_found(BodyGroup::Platform) {
-        let body = &machine.platform;
+        // The file has the bare platform.
+        let body = match &scene.tools {
+            Some(rack) => rack.without_mounted(&machine.platform),
+            None => machine.platform.at_tool_point(Vector2::zeros()),
+        };
         let files = patched.at("platform");
         files.put_number("platform.mass_kg", body.mass_kg);
         files.put_number("platform.inertia_kgm2", body.inertia_kgm2);

@@ -6,7 +6,7 @@ use crate::goals::MachineArgs;
 use std::sync::atomic::AtomicBool;
 use trirrr_client::describe;
 use trirrr_core::machine::Parameters;
-use trirrr_protocol::message::scene::{Leg, Section, SectionName};
+use trirrr_protocol::message::scene::{Leg, Platform, Section, SectionName};
 use trirrr_protocol::message::{Acting, Command, Reply, State, Status};
 use trirrr_scene::{Scene, in_number_type};
 use trirrr_service::ServiceNumber;
@@ -34,7 +34,12 @@ pub(crate) fn replace_geometry(
 ) -> Result<ReplacedGeometry, CliError> {
     in_number_type!(args.scalar.unwrap_or(scene.number), N => {
         let mut talk = Talk::<N>::open(args, scene, stop)?;
-        replace(&mut talk, machine, offsets_rad)
+        // The board's legs are given from the point of the tool that is mounted now.
+        let machine = match scene.tools {
+            Some(_) => machine.at_tool_point(read_platform(&mut talk)?.tool_point_m.into()),
+            None => *machine,
+        };
+        replace(&mut talk, &machine, offsets_rad)
     })
 }
 
@@ -81,6 +86,21 @@ fn put<N: ServiceNumber>(index: u8, leg: Leg) -> Command<N> {
 fn read<N: ServiceNumber>(talk: &mut Talk<'_, N>, index: u8) -> Result<Leg, CliError> {
     match talk.ask(Command::Read(SectionName::Leg(index)))? {
         Reply::Section(Section::Leg { leg, .. }) => Ok(leg),
+        Reply::Refused(refusal) => Err(CliError::Refused(describe::refusal(
+            &refusal,
+            0,
+            &talk.units(),
+        ))),
+        _ => Err(CliError::Failed("the board answers something else".into())),
+    }
+}
+
+/// Reads the platform that the board counts with.
+pub(super) fn read_platform<N: ServiceNumber>(
+    talk: &mut Talk<'_, N>,
+) -> Result<Platform, CliError> {
+    match talk.ask(Command::Read(SectionName::Platform))? {
+        Reply::Section(Section::Platform(platform)) => Ok(platform),
         Reply::Refused(refusal) => Err(CliError::Refused(describe::refusal(
             &refusal,
             0,

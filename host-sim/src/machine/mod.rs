@@ -1,9 +1,12 @@
-//! `trirrr enable`, `disable` and `drives`: switches the drives of a machine, and shows what they tell.
+//! `trirrr enable`, `disable`, `drives` and `tool`: switches the drives of a machine, shows what they tell, and mounts tools.
 
 mod geometry;
 mod talk;
+mod tool;
 
 pub(crate) use geometry::{ReplacedGeometry, replace_geometry};
+pub(crate) use tool::require_mounted;
+pub use tool::{ToolArgs, tool};
 
 use crate::failure::CliError;
 use crate::goals::MachineArgs;

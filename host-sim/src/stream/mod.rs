@@ -15,9 +15,12 @@ pub(crate) use keys::user_command;
 pub(crate) use port::Port;
 pub use session::StreamEnd;
 
+use crate::arguments::SetArgs;
 use crate::failure::CliError;
 use crate::figures::JobMarks;
+use crate::goals::MachineArgs;
 use crate::job_file::{self, LoadedJob, LongMoves, QueuedJob};
+use crate::machine::require_mounted;
 use crate::recording::{DriveRecorder, Recorder};
 use crate::results::ResultFolder;
 use display::Display;
@@ -122,6 +125,18 @@ fn stream<N: ServiceNumber>(
     let scene = &job.scene;
     let refused = |error: String| CliError::Refused(format!("scene {}: {error}", scene.name));
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
+    // A job under way was begun with this tool.
+    if !args.resume {
+        let machine = MachineArgs {
+            scene: file.clone(),
+            set: SetArgs::default(),
+            line: args.line.clone(),
+            scalar: Some(scalar),
+            patience: args.patience,
+            feed: None,
+        };
+        require_mounted::<N>(&machine, scene, stop)?;
+    }
     let stream = Stream {
         args,
         file,

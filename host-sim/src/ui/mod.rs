@@ -17,12 +17,15 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use std::{env, fs, thread};
 use trirrr_client::transport::Address;
-use trirrr_scene::Scene;
+use trirrr_scene::read::machine_file_of;
 use tungstenite::handshake::server::create_response;
 use tungstenite::http::StatusCode;
 
 /// Name of the page's file.
 const PAGE: &str = "trirrr.html";
+
+/// Path of the file that the scene takes its machine from.
+const MACHINE: &str = "/machine.toml";
 
 /// Path of the board's WebSocket.
 const BOARD: &str = "/board";
@@ -78,7 +81,7 @@ struct Served<'a> {
 /// Serves the page until `stop` is raised.
 ///
 /// # Errors
-/// Refused: there is no page, the scene cannot be read, or has its machine in a file of its own, or the key file cannot be. Failed: the port
+/// Refused: there is no page, the scene, the file of its machine or the key file cannot be read. Failed: the port
 /// cannot be opened.
 pub fn command(args: &UiArgs, stop: &AtomicBool) -> Result<(), CliError> {
     let key = args.key.as_deref().map(read_key).transpose()?;
@@ -88,15 +91,8 @@ pub fn command(args: &UiArgs, stop: &AtomicBool) -> Result<(), CliError> {
         scene: &args.scene,
         board: board.map(|address| BoardLine::new(address, args.baud, key)),
     };
-    let (text, name) = scene_text(&args.scene)?;
-    if let Ok(scene) = Scene::draft_set(&text, &name, &[])
-        && let Some(machine) = scene.machine_file
-    {
-        return Err(CliError::Refused(format!(
-            "{name}: machine = {}: the page has no files; write the machine into the scene",
-            machine.display()
-        )));
-    }
+    let (_, name) = scene_text(&args.scene)?;
+    machine_text(&args.scene)?;
     let failed = |error: io::Error| CliError::Failed(format!("port {}: {error}", args.port));
     let listener = TcpListener::bind((Ipv4Addr::LOCALHOST, args.port)).map_err(failed)?;
     listener.set_nonblocking(true).map_err(failed)?;
@@ -122,6 +118,22 @@ pub fn command(args: &UiArgs, stop: &AtomicBool) -> Result<(), CliError> {
         }
         Ok(())
     })
+}
+
+/// Reads the file that the scene in `scene` takes its machine from, if it has one of its own.
+fn machine_text(scene: &Path) -> Result<Option<String>, CliError> {
+    let (text, name) = scene_text(scene)?;
+    let Some(file) = machine_file_of(&text) else {
+        return Ok(None);
+    };
+    let file = scene.parent().unwrap_or(Path::new("")).join(file);
+    match fs::read_to_string(&file) {
+        Ok(text) => Ok(Some(text)),
+        Err(error) => Err(CliError::Refused(format!(
+            "{name}: machine = {}: cannot be read: {error}",
+            file.display()
+        ))),
+    }
 }
 
 /// Reads the page, and tells it where its scene is, and the name of the board.
@@ -183,6 +195,15 @@ fn answer(mut browser: TcpStream, served: &Served<'_>, stop: &AtomicBool) -> io:
         "/" => (StatusCode::OK, "text/html", served.page.clone()),
         "/scene.toml" => match scene_text(served.scene) {
             Ok((text, _)) => (StatusCode::OK, "application/toml", text),
+            Err(error) => (StatusCode::NOT_FOUND, TEXT, error.to_string()),
+        },
+        MACHINE => match machine_text(served.scene) {
+            Ok(Some(text)) => (StatusCode::OK, "application/toml", text),
+            Ok(None) => (
+                StatusCode::NOT_FOUND,
+                TEXT,
+                "the scene has its machine itself".into(),
+            ),
             Err(error) => (StatusCode::NOT_FOUND, TEXT, error.to_string()),
         },
         BOARD => match (&served.board, create_response(&asked)) {

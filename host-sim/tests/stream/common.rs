@@ -8,7 +8,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 use tempfile::TempDir;
 use trirrr_client::transport::{self, Frames, Link};
-use trirrr_protocol::message::{Command as Ask, Message, Reply, Request};
+use trirrr_protocol::message::{Command as Ask, Message, Reply, Request, Telemetry};
 
 /// Longer than anything takes on a machine that is busy with other things; a test that waits for
 /// this has failed.
@@ -236,6 +236,25 @@ impl Asker {
         Frames::append(&Request { sequence, command }, &mut bytes);
         self.link.send(&bytes).ok()?;
         self.answer(sequence)
+    }
+
+    /// Waits for a sample of telemetry.
+    pub(crate) fn sample(&mut self) -> Telemetry<f64> {
+        loop {
+            let mut bytes = [0; 4096];
+            let length = self.link.receive(&mut bytes, LIMIT).unwrap();
+            assert!(length > 0, "no sample");
+            let mut sample = None;
+            let take = |message: Message<f64>| {
+                if let Message::Telemetry(of_tick) = message {
+                    sample = Some(of_tick);
+                }
+            };
+            self.frames.receive(&bytes[..length], take);
+            if let Some(sample) = sample {
+                return sample;
+            }
+        }
     }
 
     /// Waits for the answer to a request.

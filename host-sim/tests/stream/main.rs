@@ -21,5 +21,6 @@ mod paths;
 mod proxy;
 mod resume;
 mod texts;
+mod tools;
 mod values;
 mod watching;

@@ -121,6 +121,7 @@ fn parameters<N: Number>() -> impl Strategy<Value = Parameters> {
                         mass_kg: mass.abs(),
                         inertia_kgm2: inertia.abs(),
                         com_m,
+                        tool_point_m: Vector2::new(0.0, 0.0),
                     },
                     gravity_m_s2,
                     wrench_force_n,

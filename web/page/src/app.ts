@@ -101,9 +101,24 @@ class Page {
     }
 
     async start(): Promise<void> {
-        const shared = (await sceneOf(location.hash)) ?? (await given());
+        const shared = (await sceneOf(location.hash)) ?? (await this.given());
         if (shared === undefined) this.load(FIRST, SCENES[FIRST] ?? "");
         else this.load("", shared);
+    }
+
+    /** The scene of `trirrr ui`, which serves it beside the page, with the file of its machine. */
+    private async given(): Promise<string | undefined> {
+        const { scene } = document.documentElement.dataset;
+        if (scene === undefined) return undefined;
+        const answer = await fetch(scene);
+        if (!answer.ok) return undefined;
+        const text = await answer.text();
+        const name = machineFile(text);
+        if (name !== undefined) {
+            const machine = await fetch("machine.toml");
+            if (machine.ok) this.files.set(name, await machine.text());
+        }
+        return text;
     }
 
     private listen(): void {
@@ -512,14 +527,6 @@ function rowAt(times: Float64Array, time: number): number {
         else high = middle - 1;
     }
     return low;
-}
-
-/** The scene of `trirrr ui`, which serves it beside the page. */
-async function given(): Promise<string | undefined> {
-    const { scene } = document.documentElement.dataset;
-    if (scene === undefined) return undefined;
-    const answer = await fetch(scene);
-    return answer.ok ? answer.text() : undefined;
 }
 
 async function start(): Promise<void> {

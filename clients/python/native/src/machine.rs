@@ -91,6 +91,15 @@ impl NativeMachine {
             (base, lengths, leg.joint_radius_m, leg.joint_angle_rad)
         });
         facts.set_item("legs", legs)?;
+        let tools = PyDict::new(py);
+        if let Some(rack) = &scene.tools {
+            for (index, tool) in rack.tools().iter().enumerate() {
+                let carried = rack.put_into(&scene.parameters, index).platform;
+                let places: [[f64; 2]; 2] = [carried.com_m.into(), carried.tool_point_m.into()];
+                tools.set_item(&tool.name, (carried.mass_kg, carried.inertia_kgm2, places))?;
+            }
+        }
+        facts.set_item("tools", tools)?;
         Ok(facts)
     }
 

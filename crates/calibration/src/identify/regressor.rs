@@ -50,6 +50,7 @@ fn platform(mass_kg: f64, com: [f64; 2], inertia_kgm2: f64) -> PlatformParameter
         mass_kg,
         inertia_kgm2,
         com_m: Vector2::from(com),
+        tool_point_m: Vector2::new(0.0, 0.0),
     }
 }
 

@@ -28,7 +28,7 @@ impl Line {
         }
     }
 
-    /// Starts the next round: positions in microsteps, drives on.
+    /// Starts the next round: positions in 2^-8 of a microstep, drives on.
     #[inline(always)]
     pub(super) fn give(&self, positions: [i32; 3]) {
         for (place, position) in self.positions.iter().zip(positions) {

@@ -4,13 +4,17 @@
 //! tick ──> Steppers ──positions──> Line ──> Slots ──> step, direction, enable pins
 //!          once per tick                    once per slot, above the tick
 //! ```
-//! A tick is divided into slots. [`Steppers`] rounds each joint angle of a tick to a microstep. A timer calls
-//! [`Slots`], which spreads the microsteps evenly over the tick. So the motors follow the ticks by one tick,
-//! with constant rates between two. The arithmetic is [`StepMotor`] and [`Schedule`].
+//! A tick is divided into slots. [`Steppers`] turns each joint angle of a tick into a position with a fraction, in 2^-8 of a microstep. A timer calls
+//! [`Slots`], which steps where the straight line between the positions of two ticks crosses the middle between two
+//! microsteps. So the motors follow the ticks by one tick, with constant rates between two, whatever fraction of a
+//! microstep belongs to a tick. The arithmetic is [`StepMotor`] and [`Schedule`].
 //!
 //! Positions are counted, never steps: each slot works on the difference between the wanted position and the
 //! pulses given. A tick may come a slot early, a timer late, and drives may go off in the middle of a tick.
 //! The missing pulses follow, and their sum is the rounded angle again.
+//!
+//! A joint that turns back takes the position along only after an eighth of a microstep: an angle whose last bits go up and
+//! down between two microsteps does not step back and forth. The position is a sixteenth off the angle at most.
 //!
 //! # Timing, in slots
 //! - A step pulse is one slot high and at least one low, so that two steps are at least two slots
@@ -29,7 +33,7 @@ mod tick;
 
 pub use line::Line;
 pub use motor::{StepMotor, StepsPerTurn, TooManySteps};
-pub use schedule::{Schedule, Walk};
+pub use schedule::{MICROSTEP, Schedule, Walk};
 pub use slots::{Axis, Slots};
 pub use tick::Steppers;
 

@@ -1,7 +1,7 @@
 //! Half above the tick: from positions to pulses.
 
 use super::line::Line;
-use super::schedule::{Schedule, Walk};
+use super::schedule::{FRACTION_BITS, MICROSTEP, Schedule, Walk};
 use crate::Enable;
 use embedded_hal::digital::{ErrorType, OutputPin};
 
@@ -17,8 +17,14 @@ pub struct Axis<S, D> {
     high: bool,
     /// Microsteps given so far.
     position: i32,
+    /// Position of the last tick, in units of [`MICROSTEP`]: the next line begins here.
+    reached: i32,
     walk: Walk,
 }
+
+/// Farthest that the motor may be off the begin of a line whose pulses come where they belong: half a microstep, and one pulse
+/// that the last tick had no slot for.
+const MOST_BEHIND: u32 = (MICROSTEP + MICROSTEP / 2) as u32;
 
 impl<S: OutputPin, D: OutputPin<Error = S::Error>> Axis<S, D> {
     /// Takes the pins: step low, direction forward, which is high unless `reversed`.
@@ -33,7 +39,8 @@ impl<S: OutputPin, D: OutputPin<Error = S::Error>> Axis<S, D> {
             backward: true,
             high: true,
             position: 0,
-            walk: Schedule::new(0, 1).walk(),
+            reached: 0,
+            walk: Walk::REST,
         };
         axis.fall()?;
         axis.turn(false)?;
@@ -65,14 +72,24 @@ impl<S: OutputPin, D: OutputPin<Error = S::Error>> Axis<S, D> {
         Ok(true)
     }
 
-    /// Sets out for `position`, within `slots` slots. Returns `true` if the direction changes.
+    /// Sets out for `to`, in units of [`MICROSTEP`], within `slots` slots. Returns `true` if the direction changes.
     #[inline(always)]
-    fn set_out(&mut self, position: i32, slots: u32) -> Result<bool, S::Error> {
-        let steps = position.wrapping_sub(self.position);
-        self.walk = Schedule::new(steps, slots).walk();
+    fn set_out(&mut self, to: i32, slots: u32) -> Result<bool, S::Error> {
+        let given = self.position << FRACTION_BITS;
+        let steps = to.wrapping_sub(given).wrapping_add(MICROSTEP / 2) >> FRACTION_BITS;
+        let mut from = self.reached;
+        self.reached = to;
         if steps == 0 {
+            self.walk = Walk::REST;
             return Ok(false);
         }
+        // Pulses are missing, or the last one came late and the line turns back: the way is spread anew from the motor's place.
+        if from.wrapping_sub(given).unsigned_abs() > MOST_BEHIND
+            || (to.wrapping_sub(from) < 0) != (steps < 0)
+        {
+            from = given;
+        }
+        self.walk = Walk::new(steps, given, Schedule::new(from, to, slots));
         self.turn(steps < 0)
     }
 

@@ -1,7 +1,7 @@
 //! Half in the tick: from angles to positions.
 
 use super::line::Line;
-use super::motor::{StepMotor, StepsPerTurn, TooManySteps};
+use super::motor::{MotorPlace, StepMotor, StepsPerTurn, TooManySteps};
 use crate::Failure;
 use crate::count::Countable;
 use trirrr_protocol::message::DriveFault;
@@ -41,23 +41,27 @@ impl<'l, N: Countable> Steppers<'l, N> {
             self.line.off();
             return Ok(());
         }
-        let before = self.angles();
+        let before = self.motors.each_ref().map(|motor| motor.stands());
         for (index, (motor, to)) in self.motors.iter_mut().zip(&output.motors).enumerate() {
             if let Err(refused) = motor.move_to(to.angle) {
                 return Err(self.take_back(before, index as u8, refused));
             }
         }
         self.line
-            .give(self.motors.each_ref().map(|motor| motor.position()));
+            .give(self.motors.each_ref().map(|motor| motor.place()));
         Ok(())
     }
 
-    /// Returns all motors to the angles `before`.
+    /// Returns all motors to where they stood before.
     #[cold]
-    fn take_back(&mut self, before: [N::Angle; 3], drive: u8, refused: TooManySteps) -> Failure<N> {
-        for (motor, angle) in self.motors.iter_mut().zip(before) {
-            // Not refused: the steps back are those that were just accepted.
-            let _ = motor.move_to(angle);
+    fn take_back(
+        &mut self,
+        before: [MotorPlace<N>; 3],
+        drive: u8,
+        refused: TooManySteps,
+    ) -> Failure<N> {
+        for (motor, stood) in self.motors.iter_mut().zip(before) {
+            motor.return_to(stood);
         }
         Failure {
             value: N::ratio(refused.steps.unsigned_abs(), refused.most.max(1)),

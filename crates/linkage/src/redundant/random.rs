@@ -175,6 +175,7 @@ fn any<const LEGS: usize>(with_sliders: bool) -> impl Strategy<Value = Case<LEGS
                         mass_kg: 1.5 + next(),
                         inertia_kgm2: 0.2 + 0.1 * next(),
                         com_m: Vector2::new(0.1 * next(), 0.1 * next()),
+                        tool_point_m: Vector2::new(0.0, 0.0),
                     },
                     gravity_m_s2: Vector2::new(3.0 * next(), -9.81),
                     wrench_force_n: Vector2::new(5.0 * next(), 5.0 * next()),

@@ -84,7 +84,7 @@ pub struct Platform {
     pub mass_kg: f64,
     /// Moment of inertia about the centre of mass, kg m^2.
     pub inertia_kgm2: f64,
-    /// Centre of mass in the platform's frame, m.
+    /// Centre of mass from the reference point D, in the platform's frame, m.
     pub com_m: [f64; 2],
     /// Gravity, m/s^2.
     pub gravity_m_s2: [f64; 2],
@@ -92,6 +92,9 @@ pub struct Platform {
     pub wrench_force_n: [f64; 2],
     /// External moment, N m.
     pub wrench_torque_nm: f64,
+    /// Place of the reference point D, the tool point, in the frame of the bare platform, m. Another one takes the platform joints of all
+    /// legs along.
+    pub tool_point_m: [f64; 2],
 }
 
 /// The limits that a move must keep. `None`: no limit.
@@ -171,23 +174,27 @@ impl From<&Parameters> for Platform {
             gravity_m_s2: parameters.gravity_m_s2.into(),
             wrench_force_n: parameters.wrench_force_n.into(),
             wrench_torque_nm: parameters.wrench_torque_nm,
+            tool_point_m: parameters.platform.tool_point_m.into(),
         }
     }
 }
 
 impl Platform {
-    /// `parameters` with this platform and these loads.
+    /// `parameters` with this platform and these loads. Platform joints stay where they are on the platform, and are given from its
+    /// tool point.
     pub fn put_into(&self, parameters: &Parameters) -> Parameters {
+        let tool_point_m = Vector2::from(self.tool_point_m);
         Parameters {
             platform: PlatformParameters {
                 mass_kg: self.mass_kg,
                 inertia_kgm2: self.inertia_kgm2,
                 com_m: Vector2::from(self.com_m),
+                tool_point_m,
             },
             gravity_m_s2: Vector2::from(self.gravity_m_s2),
             wrench_force_n: Vector2::from(self.wrench_force_n),
             wrench_torque_nm: self.wrench_torque_nm,
-            ..*parameters
+            ..parameters.at_tool_point(tool_point_m)
         }
     }
 }

@@ -27,6 +27,8 @@ pub struct SceneText {
     /// The whole text.
     pub text: String,
     pub(super) parts: Vec<TextPart>,
+    /// Length of the scene's own text.
+    own: usize,
     /// File that `machine` names, if the machine has a file of its own.
     pub machine_file: Option<PathBuf>,
     machine_span: Option<Range<usize>>,
@@ -45,6 +47,7 @@ impl SceneText {
     ) -> Self {
         let mut whole = Self {
             text: text.to_owned(),
+            own: text.len(),
             parts: Vec::new(),
             machine_file: None,
             machine_span: None,
@@ -66,6 +69,24 @@ impl SceneText {
             whole.add(ARGUMENT, &setting.to_string(), false);
         }
         whole
+    }
+
+    /// The text by which a board and a host know that they have the same scene. An argument that mounts another of its tools is no part
+    /// of it: a board exchanges them.
+    pub(crate) fn keyed(&self) -> String {
+        let mut text = self.text[..self.own].to_owned();
+        let ends = self.parts.iter().skip(1).map(|part| part.begin);
+        for (part, end) in self.parts.iter().zip(ends.chain([self.text.len()])) {
+            let own = &self.text[part.begin..end];
+            if !part.has_lines && own.starts_with("mounted =") {
+                continue;
+            }
+            if !text.ends_with('\n') {
+                text.push('\n');
+            }
+            text.push_str(own);
+        }
+        text
     }
 
     /// Adds a part on lines of its own, and returns its begin.

@@ -6,7 +6,10 @@ use super::super::scene::{Put, Scene, Setup, refusal};
 use super::{Background, at_rest};
 use crate::admission::Judgement;
 use crate::number::ServiceNumber;
+use nalgebra::Vector2;
 use trirrr_core::forward::Forward;
+use trirrr_core::number::Arithmetic;
+use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::scene::Section;
 use trirrr_protocol::message::{Content, Refusal, State};
 
@@ -16,7 +19,7 @@ const MOST_STEPS: u32 = 32;
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Replaces a part of the scene. The motors stay where they are; a changed encoder offset is another angle of theirs. Forward kinematics
-    /// finds where the platform then is, from where it was. A part with which the machine could not stand there is refused.
+    /// finds where the platform then is, from where it was. Another tool point is another pose of the same platform. A part with which the machine could not stand there is refused.
     pub(super) fn change(&mut self, part: &S::Replacement) -> Result<(), Refusal<N>> {
         let section = part.content().ok_or(Refusal::NotAdjustable)?;
         let units = self.settings.scene.units();
@@ -37,7 +40,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
                 let found = forward.solve(&angles, end.pose, MOST_STEPS);
                 (found.map_err(|_| Refusal::NoPose)?.pose, angles)
             }
-            Section::Platform(_) | Section::Limits(_) => (end.pose, self.angles),
+            // The platform stays where it is: its new tool point is elsewhere.
+            Section::Platform(_) => (moved_along(end.pose, changed.tool_way), self.angles),
+            Section::Limits(_) => (end.pose, self.angles),
         };
 
         // What the tick would find in its next look is found here: a part that it cannot stand with would be a fault without a way out.
@@ -58,5 +63,20 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         self.judgement = Judgement::new();
         self.status.end = Some(at_rest(pose));
         Ok(())
+    }
+}
+
+/// `pose` of the point that lies `by` farther in the frame of the platform.
+fn moved_along<N: ServiceNumber>(pose: Pose<N>, by: Vector2<f64>) -> Pose<N> {
+    if by == Vector2::new(0.0, 0.0) {
+        return pose;
+    }
+    // In binary64, as the coefficients of a changed scene.
+    let (sin, cos) = <f64 as Arithmetic>::sin_cos(N::angle_to_f64(pose.angle));
+    let moved = Vector2::new(by.x * cos - by.y * sin, by.x * sin + by.y * cos);
+    let before = pose.position.map(|value| value.to_f64());
+    Pose {
+        position: (before + moved).map(N::from_f64),
+        angle: pose.angle,
     }
 }

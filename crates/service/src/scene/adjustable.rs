@@ -146,8 +146,10 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
         if !self.has_room_for(&parameters, &limits) {
             return Err(Refusal::NotInImage);
         }
+        let parameters = units.parameters(&parameters);
         Ok(Changed {
-            parameters: units.parameters(&parameters),
+            tool_way: parameters.platform.tool_point_m - self.parameters.platform.tool_point_m,
+            parameters,
             limits: units.limits(&limits),
             offsets_rad,
             shift_rad: [0, 1, 2].map(|motor| offsets_rad[motor] - self.offsets_rad[motor]),

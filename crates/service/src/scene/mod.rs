@@ -100,6 +100,7 @@ use crate::planner::PathPlanner;
 use crate::retreat::RetreatKind;
 use crate::settings::Settings;
 use core::borrow::Borrow;
+use nalgebra::Vector2;
 use postcard_schema::Schema;
 use serde::Serialize;
 use trirrr_core::limits::{LimitParameters, Limits};
@@ -136,6 +137,8 @@ pub struct Changed {
     pub offsets_rad: [f64; 3],
     /// Those less the offsets before.
     pub shift_rad: [f64; 3],
+    /// Way from the tool point before to that of the machine, in the frame of its platform.
+    pub tool_way: Vector2<f64>,
 }
 
 /// Scene of a service. The background keeps it.

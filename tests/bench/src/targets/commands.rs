@@ -301,6 +301,7 @@ fn section(bytes: &mut Bytes) -> Option<Section> {
             gravity_m_s2: [bytes.number(10.0)?, bytes.number(10.0)?],
             wrench_force_n: [bytes.number(5.0)?, bytes.number(5.0)?],
             wrench_torque_nm: bytes.number(1.0)?,
+            tool_point_m: [bytes.number(0.1)?, bytes.number(0.1)?],
         }),
     })
 }
