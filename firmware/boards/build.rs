@@ -29,7 +29,15 @@ fn build() -> Result<(), Box<dyn Error>> {
         println!("cargo:rustc-check-cfg=cfg({name}, values({kinds}))");
         println!("cargo:rustc-cfg={name}={:?}", env::var(of_app)?);
     }
-    for name in ["homing", "brake", "feedback", "interlocks", "estop", "door"] {
+    for name in [
+        "homing",
+        "brake",
+        "lamp",
+        "feedback",
+        "interlocks",
+        "estop",
+        "door",
+    ] {
         println!("cargo:rustc-check-cfg=cfg({name})");
         if env::var_os(format!("DEP_TRIRRR_APP_{}", name.to_uppercase())).is_some() {
             println!("cargo:rustc-cfg={name}");

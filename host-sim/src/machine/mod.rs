@@ -1,9 +1,11 @@
-//! `trirrr enable`, `disable` and `drives`: switches the drives of a machine, and shows what they tell.
+//! `trirrr enable`, `disable`, `drives` and `probe`: switches the drives of a machine, shows what they tell, and probes.
 
 mod geometry;
+mod probe;
 mod talk;
 
 pub(crate) use geometry::{ReplacedGeometry, replace_geometry};
+pub use probe::{ProbeArgs, probe};
 
 use crate::failure::CliError;
 use crate::goals::MachineArgs;
