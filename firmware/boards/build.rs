@@ -36,7 +36,15 @@ fn build() -> Result<(), Box<dyn Error>> {
     if has("DEP_TRIRRR_APP_DRIVE") || has("DEP_TRIRRR_APP_TOOL") {
         println!("cargo:rustc-cfg=outputs");
     }
-    for name in ["homing", "brake", "feedback", "interlocks", "estop", "door"] {
+    for name in [
+        "homing",
+        "brake",
+        "lamp",
+        "feedback",
+        "interlocks",
+        "estop",
+        "door",
+    ] {
         println!("cargo:rustc-check-cfg=cfg({name})");
         if env::var_os(format!("DEP_TRIRRR_APP_{}", name.to_uppercase())).is_some() {
             println!("cargo:rustc-cfg={name}");

@@ -15,7 +15,7 @@ use crate::identify::IdentifyArgs;
 use crate::init::InitArgs;
 use crate::key::KeyArgs;
 use crate::linkage::LinkageArgs;
-use crate::machine::{DisableArgs, DrivesArgs, EnableArgs, ToolArgs};
+use crate::machine::{DisableArgs, DrivesArgs, EnableArgs, ProbeArgs, ToolArgs};
 use crate::plan::PlanArgs;
 use crate::report::ReportArgs;
 use crate::run::RunArgs;
@@ -69,6 +69,8 @@ pub enum Command {
     Drives(DrivesArgs),
     /// Show which tool a machine carries, or mount another
     Tool(ToolArgs),
+    /// Move a machine straight until its probe touches, and tell where that is
+    Probe(ProbeArgs),
     /// Move a machine to a pose, from rest or from any motion
     Goto(GotoArgs),
     /// Move a machine to the start of the scene's job, or to another pose, slowly

@@ -16,12 +16,14 @@ struct Server {
 
 impl Server {
     fn start(more: &[&str]) -> Self {
-        let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/engraving.toml");
+        let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/engraving.toml");
+        let own = ["grbl", scene, "--listen", "tcp:127.0.0.1:0"];
+        Self::of(&[&own, more].concat())
+    }
+
+    fn of(arguments: &[&str]) -> Self {
         let mut process = Command::new(env!("CARGO_BIN_EXE_trirrr"))
-            .arg("grbl")
-            .arg(scene)
-            .args(["--listen", "tcp:127.0.0.1:0"])
-            .args(more)
+            .args(arguments)
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();
@@ -333,7 +335,7 @@ fn each_wrong_line_gets_a_number_and_a_reason_and_moves_nothing() {
     let mut sender = Sender::unlocked(&server);
     for (line, number, reason) in [
         ("G1 X260", "error:22", "no feed"),
-        ("G38.2 X260 F100", "error:20", "G38.2"),
+        ("G41 X260 F100", "error:20", "G41"),
         ("G1 X", "error:20", "X"),
         ("G1 X900 F100", "error:15", "in the frame of the machine"),
         ("G1 Z-1 F100", "error:20", "Z"),
@@ -404,4 +406,73 @@ fn sessions_of_well_known_senders_run_through() {
             .iter()
             .any(|line| line.starts_with("[G92:250.000,245.000"))
     );
+}
+
+/// The engraving scene with a probe, and beside it a device with a wall 3 mm from its start.
+#[test]
+fn a_wall_is_probed_and_left() {
+    let engraving = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/engraving.toml");
+    let text = std::fs::read_to_string(&engraving).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let scene = folder.path().join("scene.toml");
+    let text = text.replacen(
+        "[service]",
+        "[inputs.probe]\n\n[service]\nplans_paths = true",
+        1,
+    );
+    std::fs::write(&scene, text).unwrap();
+    let scene = scene.to_str().unwrap();
+    let device = Server::of(&[
+        "device",
+        scene,
+        "--listen",
+        "tcp:127.0.0.1:0",
+        "--touch",
+        "x=0.253",
+    ]);
+    let port = format!("tcp:{}", device.address);
+    let server = Server::of(&[
+        "grbl",
+        scene,
+        "--listen",
+        "tcp:127.0.0.1:0",
+        "--port",
+        &port,
+    ]);
+    let mut sender = Sender::unlocked(&server);
+    let contact = |lines: &[String]| {
+        let line = lines.iter().find(|line| line.starts_with("[PRB:"));
+        line.expect("a contact").clone()
+    };
+    // Beside the wall.
+    sender.send("G91 G38.3 Y1 F200\n");
+    assert!(contact(&sender.answer("ok")).ends_with(":0]"));
+    sender.send("G1 Y-1\nG38.2 X6 F200\n");
+    sender.answer("ok");
+    let felt = contact(&sender.answer("ok"));
+    assert!(
+        felt.starts_with("[PRB:253.0") && felt.ends_with(":1]"),
+        "{felt}"
+    );
+    let [x, ..] = sender.idle();
+    assert!((253.0..254.0).contains(&x), "{x}");
+    // It touches still.
+    sender.send("G38.2 X6 F200\n");
+    assert!(sender.wait_for("ALARM:4").len() > 1);
+    sender.answer("ok");
+    sender.send("$X\n");
+    sender.answer("ok");
+    sender.send("G38.4 X-3 F200\n");
+    let left = contact(&sender.answer("ok"));
+    assert!(
+        left.starts_with("[PRB:252.9") && left.ends_with(":1]"),
+        "{left}"
+    );
+    sender.send("G38.2 X-1 F200\n");
+    sender.wait_for("ALARM:5");
+    assert!(contact(&sender.answer("ok")).ends_with(":0]"));
+    sender.send("$X\n");
+    sender.answer("ok");
+    sender.send("$#\n");
+    assert!(contact(&sender.answer("ok")).ends_with(":0]"));
 }

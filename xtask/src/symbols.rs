@@ -101,6 +101,16 @@ const MARKS: &[Mark] = &[
         used: |scene| scene.inputs.are_named(),
     },
     Mark {
+        what: "a status lamp",
+        names: &["8WithLamp"],
+        used: |scene| scene.has_lamp,
+    },
+    Mark {
+        what: "a probe",
+        names: &["10ProbeLatch"],
+        used: |scene| scene.inputs.interlocks.probe.is_some(),
+    },
+    Mark {
         what: "power lists",
         names: &["10WithLevels", "10MoveLevels"],
         used: |scene| scene.service.power_lists > 0,
@@ -250,6 +260,8 @@ mod tests {
             ("_RNv4tool4duty5build", "a tool"),
             ("_RNv6homing12coefficients10WithHoming", "homing"),
             ("_RNv5scene11interlocked14WithInterlocks", "interlocks"),
+            ("_RNv5interlock5probe10ProbeLatch4read", "a probe"),
+            ("_RNv4lamp8WithLamp4show", "a status lamp"),
             ("_RNv6levels4list10MoveLevels", "power lists"),
             (
                 "_RNv8switches13RuledSwitches6closed",

@@ -10,7 +10,7 @@ import time
 import unittest
 
 from programs import SCENES, Device
-from trirrr import AsyncBoard, Board
+from trirrr import AsyncBoard, Board, BoardError
 from trirrr.board import Carried
 from trirrr.exchange import Refused
 from trirrr.goals import NoMotion
@@ -38,6 +38,24 @@ class Boards(unittest.TestCase):
                 board.run(SCENES / "inputs/guarded.toml")
         with Device("thesis.toml") as address, Board.connect(address) as board:
             self.assertIsNone(board.status().inputs)
+
+    def test_a_machine_probes_a_wall(self) -> None:
+        with Device("inputs/probing.toml", more=("--touch", "x=0.25")) as address, Board.connect(address) as board:
+            with self.assertRaisesRegex(BoardError, "no probing while the machine is disabled"):
+                board.probe((0.28, 0.22, 0.157), 0.5)
+            board.enable()
+            felt = board.probe((0.28, 0.22, 0.157), 0.5)
+            assert felt is not None
+            # A tick at 0.15 m/s at most is 0.2 mm.
+            self.assertTrue(0.25 <= felt.pose[0] < 0.2502, felt)
+            self.assertIsNone(felt.measured)
+            with self.assertRaisesRegex(Refused, "the probe touches before the run"):
+                board.probe((0.28, 0.22, 0.157), 0.5)
+            let_go = board.probe((0.21, 0.22, 0.157), 0.5, away=True)
+            assert let_go is not None
+            self.assertTrue(0.2497 < let_go.pose[0] < 0.25, let_go)
+            self.assertIsNone(board.probe((0.21, 0.22, 0.157), 0.5))
+            self.assertIn("no motor on its limit switch", str(board.status().inputs))
 
     def test_a_machine_is_enabled_moved_and_plays_a_job(self) -> None:
         with Device("thesis.toml") as address, Board.connect(address) as board:

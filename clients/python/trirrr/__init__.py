@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING, Any
 PROTOCOL = 4
 
 if TYPE_CHECKING:
-    from .board import AsyncBoard, Board, BoardError, BoardStatus
+    from .board import AsyncBoard, Board, BoardError, BoardStatus, Contact
     from .errors import MotionError, PlanError, Problem, SceneError
     from .machine import Machine, check
     from .table import Table
@@ -36,6 +36,7 @@ _HOMES = {
     "Board": "board",
     "BoardError": "board",
     "BoardStatus": "board",
+    "Contact": "board",
     "Machine": "machine",
     "MotionError": "errors",
     "PlanError": "errors",
@@ -62,6 +63,7 @@ __all__ = [
     "Board",
     "BoardError",
     "BoardStatus",
+    "Contact",
     "Machine",
     "MotionError",
     "PlanError",

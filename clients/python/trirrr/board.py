@@ -21,7 +21,7 @@ from typing import Any
 from . import jobs, record, words
 from .exchange import Exchange, Refused
 from .goals import LOOK_S, Mover, NoMotion, Triple
-from .messages import NUMBERS, Command, Section, SectionName
+from .messages import NUMBERS, Command, Move, Pose, Section, SectionName
 from .ports import Port, PortError, open_port
 from .postcard import Value
 from .progress import Progress, hearing
@@ -46,7 +46,7 @@ class BoardStatus:
     moves: int
     #: Feed override, percent.
     feed_percent: int
-    #: Words on emergency stop and door. ``None`` of a scene that names neither.
+    #: Words on the inputs. ``None`` of a scene that names none.
     inputs: str | None = None
 
 
@@ -61,6 +61,18 @@ class Carried:
     com_m: tuple[float, float]
     #: Tool point, from the reference point of the bare platform.
     tool_point_m: tuple[float, float]
+
+
+@dataclass(frozen=True)
+class Contact:
+    """Place where a probe has touched, m and rad."""
+
+    #: Pose to which the platform was commanded in the tick of the contact.
+    pose: Triple
+    #: Pose by the angles that the drives told then, ``None`` of drives that tell nothing.
+    measured: Triple | None
+    #: The tick, as telemetry counts them.
+    tick: int
 
 
 class BoardError(Exception):
@@ -182,6 +194,60 @@ class Board:
         if math.dist(end, pose) > _NEAR:
             raise NoMotion(f"no motion to the goal: the machine stands at {end}")
         return end
+
+    def probe(self, to: Triple, seconds: float, *, away: bool = False) -> Contact | None:
+        """Goes straight towards ``to``, in so many seconds for the whole way, until the probe touches; ``away``: until it lets go.
+
+        Returns where that was, ``None`` if the way ended without. ``BoardError`` and ``Refused`` say why there was no way.
+        """
+        identity = self._exchange.identity
+        # A stop passes by itself.
+        while (status := self._ask(Command.Status())).state.name == "Stopping":
+            self._exchange.listen(LOOK_S)
+        if status.end is None or status.state.name != "Idle":
+            raise BoardError(f"no probing while the machine is {status.state.name.lower()}")
+        x, y, alpha = to
+        ticks = max(1, math.ceil(seconds * identity.tick_rate_hz))
+        number, none = status.next, (0.0, 0.0, 0.0)
+        goal = Pose(x=x / identity.length_m, y=y / identity.length_m, alpha=alpha)
+        way = Move(
+            number=number,
+            from_=status.end.pose,
+            to=goal,
+            start_velocity=none,
+            end_velocity=none,
+            ticks=ticks,
+            tool_power=0.0,
+            tool_speed=0.0,
+        )
+        self._ask(Command.Move(way))
+        while (status := self._ask(Command.Status())).admitted != (number + 1) % (1 << 32) and status.state.name == "Idle":
+            verdict = status.refused
+            if verdict is not None and verdict.number == number and verdict.violation is not None:
+                raise BoardError(f"the way is not admitted: {words.violation(verdict.violation, ticks, identity)}")
+            self._exchange.listen(LOOK_S)
+        try:
+            self._ask(Command.Probe(away=away))
+        except Refused:
+            # The move is no business of the next command.
+            self._ask(Command.Stop())
+            raise
+        while True:
+            status = self._ask(Command.Status())
+            if status.fault is not None:
+                raise BoardError(words.fault(status.fault, identity))
+            if status.state.name == "Idle" and status.probe is not None and status.probe.name != "Armed":
+                break
+            self._exchange.listen(LOOK_S)
+        if status.probe.name == "NotTouched":
+            return None
+        felt = status.probe.content
+        length = identity.length_m
+
+        def si(pose: Any) -> Triple:
+            return (pose.x * length, pose.y * length, float(pose.alpha))
+
+        return Contact(si(felt.pose), None if felt.measured is None else si(felt.measured), felt.tick)
 
     def step(self, by: Triple) -> Triple:
         """Goes so far from where it stands."""
@@ -327,6 +393,10 @@ class AsyncBoard:
         """As ``Board.move``."""
         return await asyncio.to_thread(self.board.move, pose)
 
+    async def probe(self, to: Triple, seconds: float, *, away: bool = False) -> Contact | None:
+        """As ``Board.probe``."""
+        return await asyncio.to_thread(self.board.probe, to, seconds, away=away)
+
     async def run(
         self, job: str | os.PathLike[str], *, recover_s: float | None = None, progress: Progress | bool | None = None
     ) -> dict[str, list[float]]:
@@ -350,4 +420,4 @@ def _ignore(message: Value) -> None:
     """Telemetry and events of a machine that nobody records."""
 
 
-__all__ = ["AsyncBoard", "Board", "BoardError", "BoardStatus", "NoMotion"]
+__all__ = ["AsyncBoard", "Board", "BoardError", "BoardStatus", "Contact", "NoMotion"]

@@ -125,6 +125,7 @@ Acting = Enum(
     QueueDry=None,
     Limit=Bounded,
     Door=None,
+    Probe=None,
 )
 
 DriveFault = Enum(
@@ -156,6 +157,7 @@ FaultCode = Enum(
     Contact=None,
     ContactMoment=None,
     EmergencyStop=None,
+    LimitSwitch=None,
 )
 
 Fault = Struct(
@@ -263,6 +265,10 @@ Refusal = Enum(
     LevelRange=None,
     EmergencyStop=None,
     DoorOpen=None,
+    NoProbe=None,
+    ProbeTouches=None,
+    ProbeOpen=None,
+    LimitSwitch={"motor": BYTE},
 )
 
 Hello = Struct(
@@ -420,6 +426,7 @@ Command = Enum(
     Job=JobLabel,
     Levels=LevelPiece,
     Listed=ListedMove,
+    Probe={"away": BOOL},
 )
 
 Request = Struct(
@@ -570,6 +577,22 @@ InputStates = Struct(
     "InputStates",
     emergency_stop=InputState,
     door=InputState,
+    probe=InputState,
+    limits=array(InputState, 3),
+)
+
+ProbeContact = Struct(
+    "ProbeContact",
+    tick=U32,
+    pose=POSE,
+    measured=Optional(POSE),
+)
+
+ProbeRun = Enum(
+    "ProbeRun",
+    Armed=None,
+    Touched=ProbeContact,
+    NotTouched=None,
 )
 
 Status = Struct(
@@ -597,6 +620,7 @@ Status = Struct(
     job=Optional(JobAccount),
     not_enabled=Optional(NotEnabled),
     inputs=InputStates,
+    probe=Optional(ProbeRun),
 )
 
 Event = Enum(
@@ -605,6 +629,7 @@ Event = Enum(
     State={"state": State, "acting": Acting, "done": U32},
     Fault=Fault,
     Inputs=InputStates,
+    Probe=ProbeRun,
 )
 
 

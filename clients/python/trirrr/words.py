@@ -36,6 +36,8 @@ _CODES = {
     "Contact": "contact: a force of {value:.4g} N at the tool, the most allowed is {limit:.4g} N",
     "ContactMoment": "contact: a moment of {value:.4g} N m at the tool, the most allowed is {limit:.4g} N m",
     "EmergencyStop": "the emergency stop was pressed, or its wire is broken: release it, then acknowledge the fault",
+    "LimitSwitch": "motor {number} has reached its limit switch, or the wire of that is broken: acknowledge the fault, then a "
+    "recovery leads off it",
 }
 
 _NOT_ENABLED = {
@@ -95,6 +97,10 @@ _REFUSED = {
     "Check": "the moves of the batch do not start where the last one ends: has the machine two clients?",
     "EmergencyStop": "the emergency stop is pressed, or its wire is broken: release it before the fault is acknowledged",
     "DoorOpen": "the door is open: nothing moves before it is closed",
+    "NoProbe": "the machine's scene names no probe: [inputs.probe] would",
+    "ProbeTouches": "the probe touches before the run",
+    "ProbeOpen": "the probe does not touch before the run, which is to lead away",
+    "LimitSwitch": "motor {number} stands on its limit switch: only a recovery or homing moves the machine off it",
     "Recovery": "the way there would break a limit",
 }
 
@@ -102,12 +108,19 @@ _REFUSED = {
 _INPUTS = {
     "emergency_stop": {"Clear": "emergency stop released", "Active": "emergency stop pressed, or its wire broken"},
     "door": {"Clear": "door closed", "Active": "door open"},
+    "probe": {"Clear": "probe open", "Active": "probe touches"},
 }
 
 
 def inputs(found: Any) -> str | None:
-    """Emergency stop and door; ``None`` of a scene that names neither."""
+    """The inputs; ``None`` of a scene that names none."""
     parts = [words[state.name] for name, words in _INPUTS.items() if (state := getattr(found, name)).name in words]
+    limits = [state.name for state in found.limits]
+    reached = [str(motor) for motor, state in enumerate(limits, 1) if state == "Active"]
+    if reached:
+        parts.append(f"motor {', '.join(reached)} on its limit switch")
+    elif "Clear" in limits:
+        parts.append("no motor on its limit switch")
     return "; ".join(parts) or None
 
 
@@ -124,7 +137,10 @@ def refusal(found: Any) -> str:
     # A machine of a later version may know more refusals.
     if text is None:
         return str(found)
-    return text.format(**{name: getattr(content, name) for name in ("expected", "longest") if hasattr(content, name)})
+    fields = {name: getattr(content, name) for name in ("expected", "longest") if hasattr(content, name)}
+    if found.name == "LimitSwitch":
+        fields["number"] = content.motor + 1
+    return text.format(**fields)
 
 
 def fault(found: Any, identity: Any) -> str:

@@ -175,6 +175,7 @@ fn acting(acting: Acting) -> u8 {
         Acting::QueueDry => 5,
         Acting::Limit(_) => 6,
         Acting::Door => 7,
+        Acting::Probe => 8,
     }
 }
 

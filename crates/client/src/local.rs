@@ -1,6 +1,7 @@
 //! Machine in the same program: the service of a scene behind one object. The scene names its model at
 //! run time, the types of the service name the model at compile time.
 
+use core::marker::PhantomData;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{Geometry, Parameters};
 use trirrr_core::model::{Model, ModelVisitor};
@@ -15,8 +16,8 @@ use trirrr_scene::offer;
 use trirrr_service::{
     Adjustable, Channels, ContactCoefficients, DriveFeedback, FeedbackCoefficients, Homing,
     HomingCoefficients, InterlockParameters, InterlockReadings, Interlocks, LevelRing, Output,
-    Played, Readings, Retreats, Service, ServiceError, ServiceNumber, Settings, WithContact,
-    WithFeedback, WithHoming, WithInterlocks, WithLevels,
+    Played, ProbeLatch, Readings, Retreats, Service, ServiceError, ServiceNumber, Settings,
+    WithContact, WithFeedback, WithHoming, WithInterlocks, WithLevels, input_bits,
 };
 
 /// Places of the queue for moves, as on a board. One place stays empty.
@@ -40,7 +41,7 @@ pub trait LocalService<N: ServiceNumber> {
     /// Sets the inputs of homing for the next ticks.
     fn inputs(&mut self, closed: [bool; 3]);
 
-    /// Sets what the contacts of emergency stop and door tell in the next tick. Says nothing to a machine whose scene names neither.
+    /// Sets what the contacts of the inputs tell in the next tick. Says nothing to a machine whose scene names none.
     fn sense(&mut self, readings: InterlockReadings);
 
     /// Sets what the drives tell in the next ticks. Says nothing to a machine whose drives tell nothing.
@@ -212,7 +213,7 @@ struct Described<N: ServiceNumber> {
     contact: Option<ContactCoefficients<N>>,
     /// Levels of power for which there is room.
     levels: u16,
-    /// Emergency stop and door.
+    /// Emergency stop, door, probe and limit switches.
     interlocks: InterlockParameters,
 }
 
@@ -248,9 +249,10 @@ impl<N: ServiceNumber, T, F: FnOnce(&mut dyn LocalService<N>) -> T> ModelVisitor
             contact: described.contact.as_ref(),
             retreat: Retreats,
         };
-        let scene = WithInterlocks::<_, true, true> {
+        let scene = WithInterlocks::<_, { input_bits::ALL }, ProbeLatch<N>> {
             scene,
             parameters: described.interlocks,
+            probe: PhantomData,
         };
         // The queues are some 100 KB.
         let mut channels = Box::new(Channels::<_, MOVES, SAMPLES>::new());
@@ -270,7 +272,7 @@ where
             Part = Section,
             Curves = Quintics,
             Feedback = DriveFeedback<N>,
-            Interlocks = Interlocks<true, true>,
+            Interlocks = Interlocks<N, { input_bits::ALL }, ProbeLatch<N>>,
         >,
     S::Homing: Homing<N, Inputs = [bool; 3]>,
 {

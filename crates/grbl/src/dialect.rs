@@ -2,6 +2,7 @@
 
 mod commands;
 mod motion;
+mod probing;
 mod real_time;
 
 use crate::fault;
@@ -29,6 +30,8 @@ enum Wait {
     Stand,
     /// Drives go on. True: until the reference is found, too.
     Awake(bool),
+    /// A motion with the probe is under way. `must`: an end without a contact is an alarm.
+    Probe { must: bool },
 }
 
 /// Conversation with one sender. See the [crate](crate).
@@ -62,6 +65,8 @@ pub struct Dialect {
     /// Motions were handed over, and nothing after them.
     is_open: bool,
     overrides: Overrides,
+    /// Place where the probe has touched last, or where a motion with it has ended without.
+    contact: (ToolPlace, bool),
     reports: u32,
     /// Time since which there was nothing to hand over.
     quiet_since: Option<Duration>,
@@ -97,6 +102,7 @@ impl Dialect {
             is_closed: false,
             is_open: false,
             overrides: Overrides::NORMAL,
+            contact: (ToolPlace::default(), false),
             reports: 0,
             quiet_since: None,
         };
@@ -134,6 +140,10 @@ impl Dialect {
     pub fn refused(&mut self, reason: &str) {
         self.message(reason);
         self.alarm(fault::ALARM_TRAVEL);
+        // The line of a motion with the probe is answered at its end.
+        if matches!(self.wait, Some(Wait::Probe { .. })) {
+            self.error(fault::LOCKED);
+        }
         self.drop_motions();
         self.is_locked = true;
         self.wait = Some(Wait::Stand);
@@ -221,6 +231,13 @@ impl Dialect {
             }
             // What the machine is to do about it is not in the view yet.
             Wait::Awake(homes) => return self.acts.is_empty() && self.woke(view, homes),
+            Wait::Probe { must } => match &view.probe {
+                Some(end) if is_empty => {
+                    self.probed(end, must, view);
+                    return true;
+                }
+                _ => return false,
+            },
             _ => return false,
         };
         self.wait = next;

@@ -24,11 +24,17 @@ pub(crate) const JOG: u8 = 16;
 const CODE: u8 = 20;
 /// There is no feed.
 const FEED: u8 = 22;
+/// A motion with the probe has no length, or is none.
+pub(crate) const PROBE: u8 = 33;
 
 /// A fault of the machine.
 pub(crate) const ALARM_FAULT: u8 = 1;
 /// A motion beyond what the machine can do. The position is known.
 pub(crate) const ALARM_TRAVEL: u8 = 2;
+/// The probe is not as a motion with it needs it.
+pub(crate) const ALARM_PROBE: u8 = 4;
+/// A motion with the probe has ended without a contact.
+pub(crate) const ALARM_NOT_PROBED: u8 = 5;
 /// Homing failed.
 pub(crate) const ALARM_HOMING: u8 = 8;
 

@@ -105,6 +105,16 @@ impl SentBytes {
         Some(line)
     }
 
+    /// Puts a line back that is to be read again.
+    pub(crate) fn put_back(&mut self, line: SentLine) {
+        let bytes = match &line {
+            SentLine::Text(text) => text.len() + 1,
+            SentLine::TooLong | SentLine::NoText => 0,
+        };
+        self.waiting += bytes;
+        self.lines.push_front((line, bytes));
+    }
+
     /// Drops everything.
     pub(crate) fn clear(&mut self) {
         *self = Self::default();

@@ -42,6 +42,19 @@ pub struct MachineView {
     pub is_empty: bool,
     /// Pace that the machine plays at, percent.
     pub feed_percent: u8,
+    /// End of the last motion with the probe; none while it is under way, and before any.
+    pub probe: Option<ProbeEnd>,
+}
+
+/// End of a motion with the probe.
+#[derive(Clone, Debug, PartialEq)]
+pub enum ProbeEnd {
+    /// The contact changed at this place in the fixed frame.
+    Touched(ToolPlace),
+    /// The motion ended without.
+    NotTouched,
+    /// The machine has refused it, in words: it has no probe, or the contact was there before.
+    Refused(String),
 }
 
 /// Demand on the machine.
@@ -49,6 +62,13 @@ pub struct MachineView {
 pub enum MachineAct {
     /// Take this motion behind the others. It has the number of its line.
     Motion(Element),
+    /// Take this motion, and end it where the probe touches; `away`: where it lets go. The machine stands, and nothing follows before its end.
+    Probe {
+        /// The motion.
+        element: Element,
+        /// Until the probe lets go.
+        away: bool,
+    },
     /// No other motion follows soon: the machine comes to rest at the end of what it has.
     Flush,
     /// Switch the drives on, and clear a fault.

@@ -40,6 +40,7 @@ impl Machine {
             room: 16,
             is_empty: true,
             feed_percent: 100,
+            probe: None,
         };
         Self {
             dialect: Dialect::new(facts, ToolPlace::default(), false),

@@ -1,7 +1,10 @@
-//! `[inputs]`: emergency stop and door of a board.
+//! `[inputs]`: emergency stop, door, probe and limit switches of a board.
 
+use crate::homing::PlacedHoming;
 use crate::read::{Bound, Section};
-use trirrr_service::{Door, EmergencyStop, InterlockParameters, StopCategory};
+use trirrr_service::{
+    Contact, Door, EmergencyStop, InterlockParameters, LimitInputs, ProbeInput, StopCategory,
+};
 
 /// Longest time for which a contact may bounce, s.
 const DEBOUNCE_MAX_S: f64 = 0.1;
@@ -9,16 +12,22 @@ const DEBOUNCE_MAX_S: f64 = 0.1;
 /// Debounce time where the scene gives none, s.
 const DEBOUNCE_S: f64 = 0.005;
 
-/// Contacts to ground by which a person stops the machine. Each is pulled up by the board.
+/// Contacts to ground: of a person who stops the machine, of a probe, of limit switches. Each is pulled up by the board.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InputPorts {
     /// Settings of the contacts, in ticks.
     pub interlocks: InterlockParameters,
     /// Position of the door's contact while the door is closed.
     pub door_normally: NormalContact,
+    /// Position of the probe's contact while the probe touches nothing.
+    pub probe_normally: NormalContact,
+    /// Position of the limit switches while the motors are within their range.
+    pub limits_normally: NormalContact,
+    /// The limit switches are those of homing, at its pins.
+    pub limits_share_homing: bool,
 }
 
-/// Position of a contact while the machine may move.
+/// Position of a contact while its input is clear.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum NormalContact {
     /// Closed: its input is low, and high where the wire breaks.
@@ -29,41 +38,78 @@ pub enum NormalContact {
 }
 
 impl InputPorts {
+    /// Returns true if there are limit switches with pins of their own.
+    pub fn has_limit_pins(&self) -> bool {
+        self.interlocks.limits.is_some() && !self.limits_share_homing
+    }
+
     /// Returns true if there is any.
     pub fn are_named(&self) -> bool {
-        self.interlocks.emergency_stop.is_some() || self.interlocks.door.is_some()
+        let InterlockParameters {
+            emergency_stop,
+            door,
+            probe,
+            limits,
+        } = &self.interlocks;
+        emergency_stop.is_some() || door.is_some() || probe.is_some() || limits.is_some()
     }
 }
 
-/// Reads `[inputs]`; none without the table. Without a tick rate, no time is checked in ticks.
-pub(crate) fn read_inputs(root: &Section, rate: Option<f64>) -> Option<InputPorts> {
+/// Inputs that a scene may name.
+const NAMES: [&str; 4] = ["estop", "door", "probe", "limits"];
+
+/// Reads `[inputs]`; none without the table. Without a tick rate, no time is checked in ticks. `homing`: none where it was refused.
+pub(crate) fn read_inputs(
+    root: &Section,
+    rate: Option<f64>,
+    homing: Option<&Option<PlacedHoming>>,
+) -> Option<InputPorts> {
     if !root.has("inputs") {
         return Some(InputPorts::default());
     }
     let section = root.section("inputs")?;
-    if !section.has("estop") && !section.has("door") {
+    if !NAMES.iter().any(|name| section.has(name)) {
         root.refuse(
             "inputs",
-            "names no input: give [inputs.estop], [inputs.door] or both, or leave [inputs] out",
+            "names no input: give [inputs.estop], [inputs.door], [inputs.probe] or [inputs.limits], or leave [inputs] out",
         );
         return None;
     }
-    let stop = match section.has("estop") {
-        true => read_stop(&section.section("estop")?, rate).map(Some),
-        false => Some(None),
-    };
-    let door = match section.has("door") {
-        true => read_door(&section.section("door")?, rate).map(Some),
-        false => Some(None),
-    };
-    let (stop, door) = (stop?, door?);
+    let stop = read_one(&section, "estop", |section| read_stop(section, rate));
+    let door = read_one(&section, "door", |section| read_door(section, rate));
+    let probe = read_one(&section, "probe", |section| read_probe(section, rate));
+    let has_switches = homing.is_none_or(|homing| {
+        let contact = homing.as_ref().map(|placed| placed.homing.contact);
+        contact == Some(Contact::Switch)
+    });
+    let limits = read_one(&section, "limits", |section| {
+        read_limits(section, rate, has_switches)
+    });
+    let (stop, door, probe, limits) = (stop?, door?, probe?, limits?);
     Some(InputPorts {
         interlocks: InterlockParameters {
             emergency_stop: stop,
             door: door.map(|(door, _)| door),
+            probe: probe.map(|(probe, _)| probe),
+            limits: limits.map(|(limits, ..)| limits),
         },
         door_normally: door.map(|(_, normally)| normally).unwrap_or_default(),
+        probe_normally: probe.map(|(_, normally)| normally).unwrap_or_default(),
+        limits_normally: limits.map(|(_, normally, _)| normally).unwrap_or_default(),
+        limits_share_homing: limits.is_some_and(|(.., shares)| shares),
     })
+}
+
+/// Reads the table of one input, if there is one.
+fn read_one<'d, 't, T>(
+    section: &Section<'d, 't>,
+    name: &'d str,
+    read: impl FnOnce(&Section<'d, 't>) -> Option<T>,
+) -> Option<Option<T>> {
+    match section.has(name) {
+        true => read(&section.section(name)?).map(Some),
+        false => Some(None),
+    }
 }
 
 fn read_stop(section: &Section, rate: Option<f64>) -> Option<EmergencyStop> {
@@ -97,6 +143,52 @@ fn read_door(section: &Section, rate: Option<f64>) -> Option<(Door, NormalContac
         debounce_ticks: debounce?,
     };
     Some((door, normally?))
+}
+
+/// Reads a probe. Most are open until they touch.
+fn read_probe(section: &Section, rate: Option<f64>) -> Option<(ProbeInput, NormalContact)> {
+    let debounce = read_debounce(section, rate);
+    let normally = match section.has("normally") {
+        true => read_normally(section),
+        false => Some(NormalContact::Open),
+    };
+    let probe = ProbeInput {
+        debounce_ticks: debounce?,
+    };
+    Some((probe, normally?))
+}
+
+/// Reads limit switches: with contacts and pins of their own, or those of homing.
+fn read_limits(
+    section: &Section,
+    rate: Option<f64>,
+    has_switches: bool,
+) -> Option<(LimitInputs, NormalContact, bool)> {
+    let debounce = read_debounce(section, rate);
+    let shares = match section.has("share_homing") {
+        true => section.boolean("share_homing"),
+        false => Some(false),
+    };
+    let normally = read_normally(section);
+    let shares = shares?;
+    if shares && !has_switches {
+        section.refuse(
+            "share_homing",
+            "needs [homing] to switches: without it the board reads none",
+        );
+        return None;
+    }
+    if shares && section.has("normally") {
+        section.refuse(
+            "normally",
+            "belongs to limit switches of their own: those of homing are as [homing] says",
+        );
+        return None;
+    }
+    let limits = LimitInputs {
+        debounce_ticks: debounce?,
+    };
+    Some((limits, normally?, shares))
 }
 
 fn read_normally(section: &Section) -> Option<NormalContact> {

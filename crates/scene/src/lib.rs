@@ -23,6 +23,7 @@ mod homing;
 mod homing_path;
 mod in_order;
 mod inputs;
+mod io;
 mod job;
 mod job_path;
 mod judge;

@@ -81,6 +81,7 @@ pub(crate) fn read_reactions(root: &Section) -> Option<(Reactions, Option<StopCa
     let overrun = category("overrun", default.overrun);
     let following = category("following", default.following);
     let drive = category("drive", default.drive);
+    let limit_switch = category("limit_switch", default.limit_switch);
     let contact = match section.has("contact") {
         true => category("contact", StopCategory::StopThenOff).map(Some),
         false => Some(None),
@@ -90,6 +91,7 @@ pub(crate) fn read_reactions(root: &Section) -> Option<(Reactions, Option<StopCa
         overrun: overrun?,
         following: following?,
         drive: drive?,
+        limit_switch: limit_switch?,
     };
     Some((reactions, contact?))
 }

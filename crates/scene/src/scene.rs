@@ -8,6 +8,7 @@ use crate::feedback::{Feedback, read_feedback};
 use crate::homing::{Homing, PlacedHoming, read_homing};
 use crate::homing_path::check_homing;
 use crate::inputs::{InputPorts, read_inputs};
+use crate::io::read_lamp;
 use crate::job::{Job, PlacedJob, read_job};
 use crate::kind::refuse_redundant;
 use crate::limits::read_limits;
@@ -94,6 +95,8 @@ pub struct Scene {
     pub tool: Option<ToolPort>,
     /// Emergency stop and door, if the scene names them.
     pub inputs: InputPorts,
+    /// The machine has a status lamp.
+    pub has_lamp: bool,
     /// Homing by which the machine finds its motors' positions, if it does not know them.
     pub homing: Option<Homing>,
     /// Job that the machine is to do.
@@ -415,7 +418,6 @@ fn read_scene(
         rate,
         drives.flatten().as_ref().map(|[drive, ..]| drive),
     );
-    let inputs = read_inputs(root, rate);
     let service = read_service(root, rate, obstacle_to_planner(number, limits.as_ref()));
     if tools.is_some() && service.is_some_and(|service| !service.adjustable) {
         let reason = "an exchanged tool is another platform for the board, which takes one only with \
@@ -433,6 +435,8 @@ fn read_scene(
         );
     }
     let homing = read_homing(root, rate, limits.as_ref(), drives.flatten().as_ref());
+    let inputs = read_inputs(root, rate, homing.as_ref());
+    let has_lamp = read_lamp(root);
     let placed = read_job(document, root, rate)?;
     let homing = homing?;
     let plant = plant?;
@@ -456,6 +460,7 @@ fn read_scene(
         contact: contact?,
         tool: tool?,
         inputs: inputs?,
+        has_lamp: has_lamp?,
         homing: homing.as_ref().map(|placed| placed.homing),
         job: placed.job.clone(),
         controller: controller?,

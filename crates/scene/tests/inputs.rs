@@ -4,7 +4,7 @@ mod common;
 
 use common::problems;
 use trirrr_scene::{InputPorts, NormalContact, Scene};
-use trirrr_service::{Door, EmergencyStop, StopCategory};
+use trirrr_service::{Door, EmergencyStop, LimitInputs, ProbeInput, StopCategory};
 
 const THESIS: &str = include_str!("../../../scenes/thesis.toml");
 
@@ -36,6 +36,63 @@ fn inputs_are_read_with_their_defaults() {
 }
 
 #[test]
+fn a_probe_and_limit_switches_are_read_with_their_defaults() {
+    let inputs = read("[inputs.probe]\n[inputs.limits]");
+    assert_eq!(
+        inputs.interlocks.probe,
+        Some(ProbeInput { debounce_ticks: 5 })
+    );
+    assert_eq!(
+        inputs.interlocks.limits,
+        Some(LimitInputs { debounce_ticks: 5 })
+    );
+    assert_eq!(inputs.interlocks.emergency_stop, None);
+    // A probe closes; a limit switch opens.
+    assert_eq!(inputs.probe_normally, NormalContact::Open);
+    assert_eq!(inputs.limits_normally, NormalContact::Closed);
+    assert!(inputs.are_named() && inputs.has_limit_pins());
+    let inputs =
+        read("[inputs.probe]\nnormally = \"closed\"\n[inputs.limits]\nnormally = \"open\"");
+    assert_eq!(inputs.probe_normally, NormalContact::Closed);
+    assert_eq!(inputs.limits_normally, NormalContact::Open);
+}
+
+#[test]
+fn limit_switches_may_be_those_of_homing() {
+    let homed = include_str!("../../../scenes/pick-home.toml");
+    let with = |more: &str| {
+        homed.replace(
+            "[job]",
+            &format!("[inputs.limits]\nshare_homing = true\n{more}\n[job]"),
+        )
+    };
+    let scene = Scene::parse(&with(""), "scene.toml");
+    let inputs = scene.unwrap_or_else(|error| panic!("{error}")).inputs;
+    assert!(inputs.limits_share_homing && !inputs.has_limit_pins() && inputs.are_named());
+    let found = problems(&with("normally = \"open\""));
+    assert!(
+        found
+            .iter()
+            .any(|problem| problem.key == "inputs.limits.normally"),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn the_stop_at_a_limit_switch_is_that_of_the_scene() {
+    let category = |faults: &str| {
+        let scene = Scene::parse(&with(&format!("{faults}\n[inputs.limits]")), "scene.toml");
+        let scene = scene.unwrap_or_else(|error| panic!("{error}"));
+        scene.reactions.limit_switch
+    };
+    assert_eq!(category(""), StopCategory::Off);
+    assert_eq!(
+        category("[faults]\nlimit_switch = 2"),
+        StopCategory::StopAndHold
+    );
+}
+
+#[test]
 fn a_debounce_time_is_rounded_down_to_ticks_and_is_one_at_least() {
     for (seconds, ticks) in [
         ("0.0", 1),
@@ -64,6 +121,20 @@ fn an_emergency_stop_is_of_category_0_or_1() {
 }
 
 #[test]
+fn a_status_lamp_is_there_where_the_scene_names_one() {
+    let has = |io: &str| {
+        let scene = Scene::parse(&with(io), "scene.toml");
+        scene.unwrap_or_else(|error| panic!("{error}")).has_lamp
+    };
+    assert!(!has("") && !has("[io]\nlamp = false") && has("[io]\nlamp = true"));
+    let found = problems(&with("[io]"));
+    assert!(
+        found.iter().any(|problem| problem.key == "io.lamp"),
+        "{found:?}"
+    );
+}
+
+#[test]
 fn what_makes_no_sense_is_refused_with_its_key() {
     for (inputs, key, reason) in [
         ("[inputs]", "inputs", "names no input"),
@@ -87,6 +158,16 @@ fn what_makes_no_sense_is_refused_with_its_key() {
             "[inputs.door]\ndebounce_s = 0.2",
             "inputs.door.debounce_s",
             "0.1",
+        ),
+        (
+            "[inputs.limits]\nshare_homing = true",
+            "inputs.limits.share_homing",
+            "needs [homing] to switches",
+        ),
+        (
+            "[inputs.probe]\nnormally = \"on\"",
+            "inputs.probe.normally",
+            "\"closed\", \"open\"",
         ),
         (
             "[inputs.door]\nstop_category = 1",

@@ -39,6 +39,10 @@ pub struct QueuedMove<N: Number, K: CurveKind> {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Order {
     Start,
+    /// The same, until the probe's contact changes.
+    Probe {
+        away: bool,
+    },
     Hold,
     Resume,
     Stop,

@@ -79,7 +79,8 @@ pub use homing::{
 };
 pub use interlock::{
     Door, EmergencyStop, InterlockKind, InterlockParameters, InterlockReadings,
-    InterlockReadingsOf, Interlocks,
+    InterlockReadingsOf, InterlockReport, Interlocks, LimitInputs, ProbeInput, ProbeLatch,
+    ProbeMemory, input_bits,
 };
 pub use levels::{LevelKind, LevelPlayer, LevelRing, LevelStore, check_levels};
 pub use number::ServiceNumber;

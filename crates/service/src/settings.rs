@@ -76,6 +76,8 @@ pub struct Reactions {
     pub following: StopCategory,
     /// At any other fault of a [drive](FaultCode::Drive).
     pub drive: StopCategory,
+    /// At a [limit switch](FaultCode::LimitSwitch).
+    pub limit_switch: StopCategory,
 }
 
 to_source!(pub [] Reactions [] in trirrr_service {
@@ -83,16 +85,19 @@ to_source!(pub [] Reactions [] in trirrr_service {
     overrun,
     following,
     drive,
+    limit_switch,
 });
 
 impl Default for Reactions {
-    /// A machine that is controllable stops on its path. One with a drive that fails is not.
+    /// A machine that is controllable stops on its path. One with a drive that fails is not; one on a limit switch would go on
+    /// beyond it.
     fn default() -> Self {
         Self {
             limit: StopCategory::StopThenOff,
             overrun: StopCategory::StopThenOff,
             following: StopCategory::StopThenOff,
             drive: StopCategory::Off,
+            limit_switch: StopCategory::Off,
         }
     }
 }
@@ -104,6 +109,7 @@ impl Reactions {
         overrun: StopCategory::Off,
         following: StopCategory::Off,
         drive: StopCategory::Off,
+        limit_switch: StopCategory::Off,
     };
 
     /// Stop at this fault.
@@ -113,6 +119,7 @@ impl Reactions {
             FaultCode::Overrun => self.overrun,
             FaultCode::FollowingError => self.following,
             FaultCode::Drive(_) => self.drive,
+            FaultCode::LimitSwitch => self.limit_switch,
             _ => StopCategory::Off,
         }
     }

@@ -119,11 +119,13 @@ fn log_event(event: &Event<Scalar>) {
         Event::Fault(fault) => defmt::error!("fault in tick {=u32}", fault.tick),
         #[cfg(interlocks)]
         Event::Inputs(inputs) => defmt::info!(
-            "emergency stop {=u8}, door {=u8}",
+            "emergency stop {=u8}, door {=u8}, probe {=u8}",
             inputs.emergency_stop as u8,
-            inputs.door as u8
+            inputs.door as u8,
+            inputs.probe as u8
         ),
         #[cfg(not(interlocks))]
         Event::Inputs(_) => {}
+        Event::Probe(_) => {}
     }
 }

@@ -1,4 +1,4 @@
-//! From the machine to the tick: homing switches, or drives that report a stall; emergency stop and door.
+//! From the machine to the tick: homing switches, or drives that report a stall; emergency stop, door, probe and limit switches.
 
 use crate::scene::Scalar;
 use crate::service::ImageScene;
@@ -54,7 +54,7 @@ impl Inputs for NoInputs {
 /// A contact to ground at an input that is pulled up.
 #[cfg(interlocks)]
 pub trait InterlockInput {
-    /// Returns true if the contact tells that the machine must not move.
+    /// Returns true if the input is active.
     fn is_active(&mut self) -> bool;
 }
 
@@ -78,7 +78,7 @@ impl<P> InterlockInput for NoInterlockPin<P> {
     }
 }
 
-/// Contact at a pin. `HIGH`: the machine must not move while the pin is high, which it is where the wire breaks.
+/// Contact at a pin. `HIGH`: the input is active while the pin is high, which it is where the wire breaks.
 #[cfg(interlocks)]
 pub struct InterlockPin<P, const HIGH: bool>(P);
 
@@ -136,6 +136,127 @@ impl<I: Inputs, S: InterlockInput, D: InterlockInput> Inputs for WithInterlockPi
         trirrr_service::InterlockReadings {
             emergency_stop: self.stop.is_active(),
             door: self.door.is_active(),
+            ..Default::default()
+        }
+    }
+
+    #[inline(always)]
+    fn shift(&mut self, by: [Angle; 3]) {
+        self.inputs.shift(by);
+    }
+}
+
+/// The probe at the pin `P`, if the scene names one.
+#[cfg(probe)]
+pub type ProbeLine<P> = InterlockPin<P, { crate::scene::PROBE_TOUCHES_HIGH }>;
+/// The scene names no probe.
+#[cfg(all(interlocks, not(probe)))]
+pub type ProbeLine<P> = NoInterlockPin<P>;
+
+/// Source of the limit switches.
+#[cfg(interlocks)]
+pub trait LimitSource {
+    /// Keeps the homing switches of the tick, where the limit switches are those.
+    #[inline(always)]
+    fn keep(&mut self, _: Closed) {}
+
+    /// Returns true for each motor on its limit switch.
+    fn limits(&mut self) -> [bool; 3];
+}
+
+/// Limit switches at pins of their own, or none where all are [`NoInterlockPin`].
+#[cfg(interlocks)]
+pub struct LimitPins<A, B, C>(pub A, pub B, pub C);
+
+#[cfg(interlocks)]
+impl<A: InterlockInput, B: InterlockInput, C: InterlockInput> LimitSource for LimitPins<A, B, C> {
+    #[inline(always)]
+    fn limits(&mut self) -> [bool; 3] {
+        [self.0.is_active(), self.1.is_active(), self.2.is_active()]
+    }
+}
+
+/// A limit switch at the pin `P`, if the scene names those with pins of their own.
+#[cfg(limits)]
+pub type MotorLimitLine<P> = InterlockPin<P, { crate::scene::LIMITS_HIGH }>;
+/// The scene names no limit switch with a pin of its own.
+#[cfg(all(interlocks, not(limits)))]
+pub type MotorLimitLine<P> = NoInterlockPin<P>;
+
+/// Limit switches of this image.
+#[cfg(all(interlocks, not(limits_at_homing)))]
+pub type LimitSwitchesOf<A, B, C> =
+    LimitPins<MotorLimitLine<A>, MotorLimitLine<B>, MotorLimitLine<C>>;
+/// Limit switches of this image: those of homing.
+#[cfg(limits_at_homing)]
+pub type LimitSwitchesOf<A, B, C> =
+    HomingLimits<LimitPins<MotorLimitLine<A>, MotorLimitLine<B>, MotorLimitLine<C>>>;
+
+/// Limit switches of this image at these pins, which are left alone where the limit switches are those of homing.
+#[cfg(interlocks)]
+#[inline(always)]
+pub fn limit_switches<A, B, C>(
+    first: MotorLimitLine<A>,
+    second: MotorLimitLine<B>,
+    third: MotorLimitLine<C>,
+) -> LimitSwitchesOf<A, B, C> {
+    let pins = LimitPins(first, second, third);
+    #[cfg(limits_at_homing)]
+    let pins = HomingLimits {
+        closed: Default::default(),
+        _pins: pins,
+    };
+    pins
+}
+
+/// Limit switches that are those of homing.
+#[cfg(limits_at_homing)]
+pub struct HomingLimits<P> {
+    closed: Closed,
+    _pins: P,
+}
+
+#[cfg(limits_at_homing)]
+impl<P> LimitSource for HomingLimits<P> {
+    #[inline(always)]
+    fn keep(&mut self, closed: Closed) {
+        self.closed = closed;
+    }
+
+    #[inline(always)]
+    fn limits(&mut self) -> [bool; 3] {
+        self.closed
+    }
+}
+
+/// Inputs beside the contacts of probe and limit switches.
+#[cfg(interlocks)]
+pub struct WithTouchPins<I, P, L> {
+    /// Everything else.
+    pub inputs: I,
+    /// Contact of the probe.
+    pub probe: P,
+    /// Limit switches.
+    pub limits: L,
+}
+
+#[cfg(interlocks)]
+impl<I: Inputs, P: InterlockInput, L: LimitSource> Inputs for WithTouchPins<I, P, L> {
+    // A unit without homing.
+    #[allow(clippy::let_unit_value, clippy::unit_arg)]
+    #[inline(always)]
+    fn read(&mut self, motors: &[Motor<Scalar>; 3]) -> Closed {
+        let closed = self.inputs.read(motors);
+        self.limits.keep(closed);
+        closed
+    }
+
+    #[inline(always)]
+    fn interlocks(&mut self) -> Interlocked {
+        Interlocked {
+            probe: self.probe.is_active(),
+            limits: self.limits.limits(),
+            ..self.inputs.interlocks()
         }
     }
 

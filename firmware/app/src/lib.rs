@@ -29,6 +29,8 @@ mod fault_injection;
 mod heartbeat;
 #[cfg(target_os = "none")]
 pub mod inputs;
+#[cfg(all(target_os = "none", lamp))]
+mod lamp;
 #[cfg(target_os = "none")]
 mod line;
 #[cfg(target_os = "none")]
@@ -55,6 +57,8 @@ mod tick_clock;
 pub use background::Background;
 #[cfg(target_os = "none")]
 pub use heartbeat::WATCHDOG_MS;
+#[cfg(all(target_os = "none", lamp))]
+pub use lamp::WithLamp;
 #[cfg(target_os = "none")]
 pub use line::{BAUD, LOG_BAUD, RECEIVED};
 #[cfg(target_os = "none")]

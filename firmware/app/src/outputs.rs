@@ -10,6 +10,7 @@ use trirrr_drives::Failure;
 use trirrr_drives::stepper::Steppers;
 #[cfg(not(tool = "none"))]
 use trirrr_drives::tool::{ToolLine, ToolOutput};
+use trirrr_protocol::message::State;
 #[cfg(feedback)]
 use {
     core::ops::Deref,
@@ -51,6 +52,12 @@ pub trait Outputs {
     #[inline(always)]
     fn work(&mut self, power: Scalar, runs: bool) {
         let _ = (power, runs);
+    }
+
+    /// Shows the state of the machine on a lamp. Once per tick.
+    #[inline(always)]
+    fn show(&mut self, state: State) {
+        let _ = state;
     }
 }
 

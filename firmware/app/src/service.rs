@@ -12,7 +12,7 @@ use crate::scene::LEVELS;
 use crate::scene::{BATCHES, COEFFICIENTS, PARTS};
 use crate::scene::{Curves, Model, NAME, Planner, SETTINGS, START, Scalar, TICK_RATE_HZ};
 #[cfg(interlocks)]
-use crate::scene::{HAS_DOOR, HAS_STOP, INTERLOCKS};
+use crate::scene::{INPUTS, INTERLOCKS, Probe};
 #[cfg(adjustable)]
 use crate::scene::{LIMITS, PARAMETERS};
 use trirrr_protocol::message::{self, Board, Clock, Start};
@@ -77,11 +77,11 @@ type FeelingScene = MeasuredScene;
 #[cfg(contact)]
 type FeelingScene = WithContact<'static, MeasuredScene, Retreat>;
 
-/// Scene of this image. It may have an emergency stop and a door.
+/// Scene of this image. It may have an emergency stop, a door, limit switches and a probe.
 #[cfg(not(interlocks))]
 pub(crate) type ImageScene = FeelingScene;
 #[cfg(interlocks)]
-pub(crate) type ImageScene = WithInterlocks<FeelingScene, HAS_STOP, HAS_DOOR>;
+pub(crate) type ImageScene = WithInterlocks<FeelingScene, INPUTS, Probe>;
 
 /// Retreat of this image after a contact.
 #[cfg(all(contact, not(retreat)))]
@@ -154,6 +154,7 @@ pub fn build(channels: &'static mut Channels, board: Board) -> (SceneForeground,
     let scene = WithInterlocks {
         scene,
         parameters: INTERLOCKS,
+        probe: core::marker::PhantomData,
     };
     // The reader of the scene refuses a start out of reach. The error is not formatted: that would bring
     // floats as text into the image.

@@ -68,6 +68,7 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
             self.fail(&failure);
         }
         self.work();
+        self.outputs.show(self.foreground.state());
     }
 
     /// Hands the tool its power. After a fault that is none.

@@ -37,10 +37,18 @@ mod app {
     type HeldDrives =
         trirrr_app::outputs::Braked<Drives, <crate::board::Brake as crate::pins::BoardPin>::Output>;
 
-    #[cfg(tool = "none")]
+    #[cfg(all(tool = "none", not(lamp)))]
     type Outputs = HeldDrives;
-    #[cfg(not(tool = "none"))]
+    #[cfg(all(not(tool = "none"), not(lamp)))]
     type Outputs = trirrr_app::outputs::Tooled<HeldDrives, crate::tool::ToolPin>;
+    #[cfg(all(tool = "none", lamp))]
+    type Outputs =
+        trirrr_app::WithLamp<HeldDrives, <crate::board::Lamp as crate::pins::BoardPin>::Output>;
+    #[cfg(all(not(tool = "none"), lamp))]
+    type Outputs = trirrr_app::WithLamp<
+        trirrr_app::outputs::Tooled<HeldDrives, crate::tool::ToolPin>,
+        <crate::board::Lamp as crate::pins::BoardPin>::Output,
+    >;
 
     #[shared]
     struct Shared {}
@@ -116,12 +124,21 @@ mod app {
             let tool = crate::tool::build(parts, &mut rcc);
             trirrr_app::outputs::Tooled::new(outputs, tool)
         };
+        #[cfg(lamp)]
+        let outputs = {
+            let pin = crate::pins::BoardPin::output(pins.lamp, false);
+            trirrr_app::WithLamp::new(outputs, pin)
+        };
         #[cfg(homing)]
         let inputs = switches::build(pins.homing_1, pins.homing_2, pins.homing_3);
         #[cfg(not(homing))]
         let inputs = switches::Switches;
         #[cfg(interlocks)]
-        let inputs = interlocks::build(inputs, pins.stop, pins.door);
+        let inputs = interlocks::build(
+            inputs,
+            (pins.stop, pins.door, pins.probe),
+            (pins.limit_1, pins.limit_2, pins.limit_3),
+        );
         let watchdog = chip.watchdog.start();
         let (received, bytes) = bytes.split();
         let clock = TickClock::start(context.core.SYST, period);

@@ -46,7 +46,7 @@ pub fn of_scene(number: NumberType) -> &'static str {
 /// names the number type; the default is the scene's own, with `f32` for `f64`, which is for hosts.
 ///
 /// Sets the kind of the scene's drives as `cfg(drive = "...")`, that of its tool as `cfg(tool = "...")`, `cfg(homing)` for a
-/// scene with homing, `cfg(interlocks)` for one with inputs, of which `cfg(estop)` and `cfg(door)` are there, `cfg(levels)` for one with power lists, `cfg(adjustable)` for one that clients may change, and `cfg(contact)` for one
+/// scene with homing, `cfg(interlocks)` for one with inputs, of which `cfg(estop)`, `cfg(door)`, `cfg(probe)` and `cfg(limits)` are there (`cfg(limits_at_homing)` where limit switches are those of homing), `cfg(levels)` for one with power lists, `cfg(adjustable)` for one that clients may change, and `cfg(contact)` for one
 /// that detects contacts. A package with a `links` key hands them on to the build scripts of its dependents, with the [needs](Needs) of the scene. Cargo warns of
 /// a scene that lacks limits of its motors.
 ///
@@ -115,7 +115,7 @@ fn board(scene: &Scene, file: &Path) -> Option<String> {
 }
 
 /// Sets the kinds of the scene as `cfg`s. The build scripts of dependent packages learn them by [`Needs`]; here the names of all kinds
-/// (`DEP_..._DRIVES`, `TOOLS`), `INTERLOCKS` and `FEEDBACK` are handed on.
+/// (`DEP_..._DRIVES`, `TOOLS`) and `FEEDBACK` are handed on.
 fn print_kinds(scene: &Scene) {
     print_kind("drive", drive::KINDS, kind(scene));
     print_kind("tool", tool::TOOLS, tool_kind(scene));
@@ -127,19 +127,23 @@ fn print_kinds(scene: &Scene) {
     if scene.power.has_brake {
         println!("cargo:rustc-cfg=brake");
     }
-    println!("cargo:rustc-check-cfg=cfg(interlocks, estop, door)");
+    println!("cargo:rustc-check-cfg=cfg(lamp)");
+    if scene.has_lamp {
+        println!("cargo:rustc-cfg=lamp");
+    }
+    println!("cargo:rustc-check-cfg=cfg(interlocks, estop, door, probe, limits, limits_at_homing)");
     let interlocks = &scene.inputs.interlocks;
     for (name, is_named) in [
         ("interlocks", scene.inputs.are_named()),
         ("estop", interlocks.emergency_stop.is_some()),
         ("door", interlocks.door.is_some()),
+        ("probe", interlocks.probe.is_some()),
+        ("limits", scene.inputs.has_limit_pins()),
+        ("limits_at_homing", scene.inputs.limits_share_homing),
     ] {
         if is_named {
             println!("cargo:rustc-cfg={name}");
         }
-    }
-    if scene.inputs.are_named() {
-        println!("cargo:interlocks=yes");
     }
     println!("cargo:rustc-check-cfg=cfg(levels)");
     if scene.service.power_lists > 0 {

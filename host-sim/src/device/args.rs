@@ -1,6 +1,6 @@
 //! Arguments of `trirrr device`.
 
-use super::inputs::Press;
+use super::inputs::{Press, Wall};
 use crate::arguments::{DEFAULT_SCENE, SetArgs, factor, number_type};
 use crate::serve::ListenArgs;
 use clap::Args;
@@ -41,10 +41,14 @@ pub struct DeviceArgs {
         allow_hyphen_values = true
     )]
     pub offset_rad: Option<Vec<f64>>,
-    /// Press an input of the scene: `estop@1.5` from 1.5 s on, `door@2..4` from 2 s to 4 s of the machine's time; repeat for more
+    /// Press an input of the scene: `estop@1.5` from 1.5 s on, `door@2..4` from 2 s to 4 s of the machine's time; also `probe` and
+    /// `limit1` to `limit3`; repeat for more
     #[arg(long, value_name = "INPUT@FROM[..TO]")]
     pub press: Vec<Press>,
-    /// Press inputs by lines on standard input: estop (e) and door (d) change what they name
+    /// Wall that the probe of the scene touches: from `x=0.25` on, seen from the start of the job, the probe at D touches, m
+    #[arg(long, value_name = "AXIS=METRES")]
+    pub touch: Option<Wall>,
+    /// Press inputs by lines on standard input: estop (e), door (d), probe (p) and limit1 to limit3 change what they name
     #[arg(long)]
     pub keys: bool,
 }

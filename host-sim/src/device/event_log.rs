@@ -117,6 +117,7 @@ fn name<N: Transmit>(command: &Command<N>) -> &'static str {
         Command::Levels(_) => "levels of power",
         Command::Listed(_) => "a move with levels",
         Command::Start => "start",
+        Command::Probe { .. } => "probe",
         Command::Hold => "hold",
         Command::Resume => "resume",
         Command::Stop => "stop",

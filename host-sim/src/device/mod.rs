@@ -39,7 +39,7 @@ const LOOK: Duration = Duration::from_micros(500);
 pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), CliError> {
     let scene = args.set.scene_to_move(&args.scene)?;
     let scalar = args.scalar.unwrap_or(scene.number);
-    let inputs = PressedInputs::new(&scene, &args.press, args.keys)?;
+    let inputs = PressedInputs::new(&scene, &args.press, args.touch, args.keys)?;
     let doors = args.listen.open()?;
     print_line(&format!(
         "tcp:{} plays scene {} in {scalar}, {} ticks per second",
@@ -105,7 +105,7 @@ impl Simulated {
             rate_hz: scene.tick_rate_hz,
             stop,
             offset: None,
-            inputs: PressedInputs::new(scene, &[], false)?,
+            inputs: PressedInputs::new(scene, &[], None, false)?,
             is_quiet: true,
         };
         device.play::<N>()
@@ -121,7 +121,7 @@ struct Device<'a> {
     stop: &'a AtomicBool,
     /// Offset of the motors, rad. `None` takes one that depends on the scene.
     offset: Option<[f64; 3]>,
-    /// Emergency stop and door.
+    /// Emergency stop, door, probe and limit switches.
     inputs: PressedInputs,
     /// Another command speaks to the user.
     is_quiet: bool,
@@ -157,6 +157,7 @@ impl Device<'_> {
                 let angle = |i: usize| N::angle_from_f64(motors::wrapped(stand[i] + off[i]));
                 ObeyingDrives::new([angle(0), angle(1), angle(2)])
             });
+            let length_m = units.length_m();
             let log = EventLog::new(Units::of_scene(scene, &units), is_quiet);
             let silence = Duration::from_secs_f64(
                 scene.service.silence_timeout_s * scene.tick_rate_hz / rate_hz,
@@ -166,6 +167,7 @@ impl Device<'_> {
                 motors,
                 drives,
                 inputs,
+                length_m,
             };
             let server = Server::new(machine, around, hub, log);
             run(server, rate_hz, stop)

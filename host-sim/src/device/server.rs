@@ -31,8 +31,10 @@ pub(super) struct Surroundings<N: ServiceNumber> {
     pub(super) motors: Option<Motors>,
     /// Drives, if they tell where they are.
     pub(super) drives: Option<ObeyingDrives<N>>,
-    /// Emergency stop and door.
+    /// Emergency stop, door, probe and limit switches.
     pub(super) inputs: PressedInputs,
+    /// One unit of length of the machine, m.
+    pub(super) length_m: f64,
 }
 
 impl<'a, N: ServiceNumber> Server<'a, N> {
@@ -61,8 +63,13 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
             motors,
             drives,
             inputs,
+            length_m,
         } = &mut self.around;
-        self.machine.sense(inputs.read());
+        let place = self.machine.motion().map(|played| {
+            let position = &played.0.pose.position;
+            [position.x, position.y].map(|each| each.to_f64() * *length_m)
+        });
+        self.machine.sense(inputs.read(place));
         if let Some(motors) = motors {
             self.machine.inputs(motors.inputs());
         }

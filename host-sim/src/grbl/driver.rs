@@ -7,10 +7,10 @@ use trirrr_client::describe::{self, Units as Words};
 use trirrr_client::exchange::{Exchange, Patience, Turn};
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
-use trirrr_grbl::{MachineAct, MachinePhase, MachineView};
+use trirrr_grbl::{MachineAct, MachinePhase, MachineView, ProbeEnd};
 use trirrr_protocol::message::{
-    Command, Event, Hello, Message, PathPiece, Recovery, Refusal, Reply, Request, State, Status,
-    TelemetryFields, Transmit,
+    Command, Event, Hello, Message, PathPiece, ProbeRun, Recovery, Refusal, Reply, Request, State,
+    Status, TelemetryFields, Transmit,
 };
 use trirrr_scene::{Scene, offer};
 use trirrr_toolpath::{Act, Element, ToolCurve, ToolMotion, ToolPlace};
@@ -45,6 +45,17 @@ struct Waking {
     on_way: bool,
 }
 
+/// Motion with the probe.
+#[derive(Clone, Debug, PartialEq)]
+enum Probing {
+    /// The machine has not begun it. `away`: until the probe lets go.
+    Waits { away: bool },
+    /// It is under way.
+    Runs,
+    /// It is over.
+    Ended(ProbeEnd),
+}
+
 /// Client of a machine for a path without an end, without a port and a clock.
 pub(super) struct MachineDriver<N: Transmit> {
     exchange: Exchange<N>,
@@ -76,6 +87,7 @@ pub(super) struct MachineDriver<N: Transmit> {
     reason: Option<String>,
     refused: Option<String>,
     was_refused: bool,
+    probing: Option<Probing>,
     /// The machine cannot serve senders at all.
     pub(super) failure: Option<String>,
 }
@@ -117,6 +129,7 @@ impl<N: Transmit> MachineDriver<N> {
             reason: None,
             refused: None,
             was_refused: false,
+            probing: None,
             failure: None,
         }
     }
@@ -135,6 +148,10 @@ impl<N: Transmit> MachineDriver<N> {
             },
             is_empty: self.is_empty(),
             feed_percent: self.status.map_or(100, |status| status.feed_percent),
+            probe: match &self.probing {
+                Some(Probing::Ended(end)) => Some(end.clone()),
+                _ => None,
+            },
         }
     }
 
@@ -204,8 +221,16 @@ impl<N: Transmit> MachineDriver<N> {
 
     /// Takes an act of the sender.
     pub(super) fn take(&mut self, act: MachineAct) {
+        if matches!(self.probing, Some(Probing::Ended(_))) {
+            self.probing = None;
+        }
         match act {
             MachineAct::Motion(element) => self.feed.push(&element),
+            MachineAct::Probe { element, away } => {
+                self.feed.push(&element);
+                self.feed.flush();
+                self.probing = Some(Probing::Waits { away });
+            }
             MachineAct::Flush => self.feed.flush(),
             MachineAct::Unlock | MachineAct::Home => {
                 self.reason = None;
@@ -223,6 +248,7 @@ impl<N: Transmit> MachineDriver<N> {
             MachineAct::Stop => {
                 self.feed.clear();
                 self.waking = None;
+                self.probing = None;
                 self.order(Command::Stop);
             }
             MachineAct::Feed(percent) => self.order(Command::FeedOverride { percent }),
@@ -285,7 +311,12 @@ impl<N: Transmit> MachineDriver<N> {
             && (is_whole || status.next.wrapping_sub(status.done) >= HEAD_START)
             && self.is_fresh()
         {
-            return Some(Command::Start);
+            return match self.probing {
+                None => Some(Command::Start),
+                Some(Probing::Waits { away }) => Some(Command::Probe { away }),
+                // Nothing moves on behind a contact.
+                Some(Probing::Runs | Probing::Ended(_)) => None,
+            };
         }
         let is_on = matches!(
             status.state,
@@ -352,6 +383,9 @@ impl<N: Transmit> MachineDriver<N> {
                     self.piece = Some(piece.number.wrapping_add(1));
                     self.feed.pop();
                 }
+                if matches!(command, Command::Probe { .. }) {
+                    self.probing = Some(Probing::Runs);
+                }
             }
             Reply::Refused(refusal) => self.on_refusal(&command, refusal, now),
             Reply::Section(_) | Reply::Kept { .. } => {}
@@ -401,9 +435,38 @@ impl<N: Transmit> MachineDriver<N> {
             self.feed.clear();
             self.piece = None;
         }
+        self.end_probing(&status);
         if self.waking.is_some() && self.is_fresh() {
             self.wake(&status);
         }
+    }
+
+    /// Takes the end of a motion with the probe.
+    fn end_probing(&mut self, status: &Status<N>) {
+        if status.fault.is_some() {
+            self.probing = None;
+        }
+        let is_over = status.state == State::Idle && status.next == status.done && !status.planning;
+        if self.probing != Some(Probing::Runs) || !is_over || !self.is_fresh() {
+            return;
+        }
+        let end = match status.probe {
+            Some(ProbeRun::Armed) => return,
+            Some(ProbeRun::Touched(contact)) => {
+                let metres = self.units.length_m();
+                // Where the drives tell more, they tell where the probe truly was.
+                let pose = contact.measured.unwrap_or(contact.pose);
+                ProbeEnd::Touched(ToolPlace {
+                    position_m: [pose.position.x, pose.position.y]
+                        .map(|each| each.to_f64() * metres),
+                    alpha_rad: N::angle_to_f64(pose.angle),
+                })
+            }
+            Some(ProbeRun::NotTouched) | None => ProbeEnd::NotTouched,
+        };
+        self.probing = Some(Probing::Ended(end));
+        self.feed.clear();
+        self.piece = None;
     }
 
     /// The next step on the way to a machine that is ready.
@@ -512,7 +575,21 @@ impl<N: Transmit> MachineDriver<N> {
                 self.piece = None;
             }
             // What waits is dropped: closing the door must start nothing.
-            (Command::Start, Refusal::DoorOpen) => {
+            (
+                Command::Probe { .. },
+                Refusal::NoProbe
+                | Refusal::ProbeTouches
+                | Refusal::ProbeOpen
+                | Refusal::DoorOpen
+                | Refusal::LimitSwitch { .. },
+            ) => {
+                let why = describe::refusal(&refusal, 0, &self.words);
+                self.probing = Some(Probing::Ended(ProbeEnd::Refused(why)));
+                self.feed.clear();
+                self.piece = None;
+                self.order(Command::Stop);
+            }
+            (Command::Start, Refusal::DoorOpen | Refusal::LimitSwitch { .. }) => {
                 self.refused = Some(describe::refusal(&refusal, 0, &self.words));
                 self.feed.clear();
                 self.piece = None;

@@ -1,10 +1,12 @@
-//! `trirrr enable`, `disable`, `drives` and `tool`: switches the drives of a machine, shows what they tell, and mounts tools.
+//! `trirrr enable`, `disable`, `drives`, `tool` and `probe`: switches the drives of a machine, shows what they tell, mounts tools, and probes.
 
 mod geometry;
+mod probe;
 mod talk;
 mod tool;
 
 pub(crate) use geometry::{ReplacedGeometry, replace_geometry};
+pub use probe::{ProbeArgs, probe};
 pub(crate) use tool::require_mounted;
 pub use tool::{ToolArgs, tool};
 

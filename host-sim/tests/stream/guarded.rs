@@ -124,9 +124,11 @@ fn an_input_that_the_scene_does_not_name_cannot_be_pressed() {
     for (arguments, why) in [
         (&["--press", "door@1"][..], "[inputs.door] in it would"),
         (&["--keys"], "names none"),
+        (&["--touch", "x=0.25"], "[inputs.probe] in it would"),
+        (&["--press", "limit3@1"], "[inputs.limits] in it would"),
         (
             &["--press", "lid@1"],
-            "\"lid\" is no input: estop and door are",
+            "\"lid\" is no input: estop, door, probe",
         ),
     ] {
         let output = trirrr()

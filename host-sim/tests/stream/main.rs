@@ -18,6 +18,7 @@ mod limits;
 mod links;
 mod long;
 mod paths;
+mod probing;
 mod proxy;
 mod resume;
 mod texts;

@@ -46,8 +46,8 @@ pub type CountedScene = CountedFeelingScene;
 #[cfg(interlocks)]
 pub type CountedScene = trirrr_service::WithInterlocks<
     CountedFeelingScene,
-    { crate::scene::HAS_STOP },
-    { crate::scene::HAS_DOOR },
+    { crate::scene::INPUTS },
+    crate::scene::Probe,
 >;
 
 /// Sixteen moves and samples less one each.
@@ -97,6 +97,7 @@ pub fn scene() -> CountedScene {
     let scene = trirrr_service::WithInterlocks {
         scene,
         parameters: crate::scene::INTERLOCKS,
+        probe: core::marker::PhantomData,
     };
     scene
 }

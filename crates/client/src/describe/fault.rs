@@ -71,6 +71,13 @@ pub fn fault<N: Transmit>(fault: &Fault<N>, units: &Units) -> String {
         FaultCode::EmergencyStop => {
             "the emergency stop was pressed, or its wire is broken: release it, then acknowledge the fault".into()
         }
+        FaultCode::LimitSwitch => {
+            let motor = fault.index.map_or(0, |motor| u32::from(motor) + 1);
+            format!(
+                "motor {motor} has reached its limit switch, or the wire of that is broken: acknowledge the fault, then a recovery \
+                 leads off it"
+            )
+        }
         FaultCode::HomingNotFound => {
             let (motor, limit) = searched();
             format!("homing: motor {motor} has not found its switch or stop within {limit} rad")

@@ -9,8 +9,9 @@ pub use drive::{drive_state, not_enabled};
 pub use fault::fault;
 pub use refusal::refusal;
 
+use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{
-    Acting, Bounded, Event, Identity, InputState, InputStates, State, Transmit, Violation,
+    Acting, Bounded, Event, Identity, InputState, InputStates, ProbeRun, State, Transmit, Violation,
 };
 use trirrr_scene::Scene;
 use trirrr_scene::words::{self, short};
@@ -98,10 +99,34 @@ pub fn event<N: Transmit>(event: &Event<N>, ticks: u32, units: &Units) -> Option
         } => format!("{}, {done} moves done", state(*now, *acting)),
         Event::Fault(latched) => format!("fault: {}", fault(latched, units)),
         Event::Inputs(states) => inputs(states)?,
+        Event::Probe(run) => probe(run, units),
     })
 }
 
-/// Describes emergency stop and door. `None`: the scene names neither.
+/// Describes a run with a probe: where it has touched, in m and rad.
+pub fn probe<N: Transmit>(run: &ProbeRun<N>, units: &Units) -> String {
+    let place = |pose: &Pose<N>| {
+        let [x, y] = [pose.position.x, pose.position.y].map(|each| each.to_f64() * units.length_m);
+        let alpha = N::angle_to_f64(pose.angle);
+        format!("({x:.6}, {y:.6}, {alpha:.6})")
+    };
+    match run {
+        ProbeRun::Armed => "the probe is armed".into(),
+        ProbeRun::NotTouched => "the probe has touched nothing".into(),
+        ProbeRun::Touched(contact) => {
+            let measured = contact.measured.as_ref();
+            let measured = measured.map(|pose| format!(", measured {}", place(pose)));
+            format!(
+                "the probe's contact at {} m, m, rad{} (tick {})",
+                place(&contact.pose),
+                measured.unwrap_or_default(),
+                contact.tick
+            )
+        }
+    }
+}
+
+/// Describes the inputs. `None`: the scene names none.
 pub fn inputs(states: &InputStates) -> Option<String> {
     let stop = match states.emergency_stop {
         InputState::Absent => None,
@@ -113,7 +138,23 @@ pub fn inputs(states: &InputStates) -> Option<String> {
         InputState::Clear => Some("door closed"),
         InputState::Active => Some("door open"),
     };
-    let parts: Vec<&str> = [stop, door].into_iter().flatten().collect();
+    let probe = match states.probe {
+        InputState::Absent => None,
+        InputState::Clear => Some("probe open"),
+        InputState::Active => Some("probe touches"),
+    };
+    let parts = [stop, door, probe].into_iter().flatten();
+    let mut parts: Vec<String> = parts.map(str::to_owned).collect();
+    let reached = (1..).zip(states.limits);
+    let reached: Vec<String> = reached
+        .filter(|(_, limit)| limit.is_active())
+        .map(|(motor, _): (u32, _)| motor.to_string())
+        .collect();
+    match states.limits.contains(&InputState::Clear) || !reached.is_empty() {
+        false => {}
+        true if reached.is_empty() => parts.push("no motor on its limit switch".into()),
+        true => parts.push(format!("motor {} on its limit switch", reached.join(", "))),
+    }
     (!parts.is_empty()).then(|| parts.join("; "))
 }
 
@@ -143,6 +184,7 @@ pub fn state(state: State, acting: Acting) -> String {
         Acting::Silence => "host silent",
         Acting::QueueDry => "waiting for moves",
         Acting::Door => "door",
+        Acting::Probe => "probe",
         Acting::Limit(what) => return format!("{state} ({})", words::subject(what, None)),
     };
     format!("{state} ({acting})")

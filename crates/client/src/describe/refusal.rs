@@ -81,6 +81,13 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
             "the emergency stop is pressed, or its wire is broken: release it before the fault is acknowledged".into()
         }
         Refusal::DoorOpen => "the door is open: nothing moves before it is closed".into(),
+        Refusal::NoProbe => "the board's scene names no probe: [inputs.probe] would".into(),
+        Refusal::ProbeTouches => "the probe touches before the run".into(),
+        Refusal::ProbeOpen => "the probe does not touch before the run, which is to lead away".into(),
+        Refusal::LimitSwitch { motor } => format!(
+            "motor {} stands on its limit switch: only a recovery or homing moves the machine off it",
+            u32::from(*motor) + 1
+        ),
         Refusal::StartVelocity => "it does not start as fast as the last one ends".into(),
         Refusal::Tool => "the tool's power is not from 0 to 1, or its speed negative".into(),
         Refusal::NotAdjustable => "the board's image holds no code to change its scene".into(),

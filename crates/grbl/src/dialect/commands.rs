@@ -129,6 +129,6 @@ impl Dialect {
         let shift = axes(self.interpreter.shift(), inches);
         self.say(&format!("[G92:{shift}]"));
         self.say("[TLO:0.000]");
-        self.say(&format!("[PRB:{none}:0]"));
+        self.say_contact();
     }
 }

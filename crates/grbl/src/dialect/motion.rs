@@ -1,5 +1,6 @@
 //! Lines of G-code, and jogs.
 
+use super::probing::ProbeWords;
 use super::{Dialect, Wait};
 use crate::fault;
 use crate::view::{MachineAct, MachinePhase, MachineView, MotionCheck};
@@ -18,6 +19,9 @@ impl Dialect {
         }
         if self.is_jog && !view.is_empty && !text.is_empty() {
             return self.refuse(fault::NOT_IDLE, "a jog is under way");
+        }
+        if let Some(probe) = ProbeWords::read(text).filter(|_| !self.is_check) {
+            return self.probe(&probe, text, view, reach);
         }
         let mut trial = self.interpreter.clone();
         let work = match trial.line(self.line, text) {

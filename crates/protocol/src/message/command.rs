@@ -104,6 +104,12 @@ pub enum Command<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
     Levels(C::Levels),
     /// Offers a move whose levels were given, as [`Command::Moves`] does one without.
     Listed(C::Listed),
+    /// Plays what is queued as [`Command::Start`] does, until the probe's contact changes: then it comes to rest on the path and
+    /// drops the rest.
+    Probe {
+        /// False: until the probe touches. True: until it touches no more.
+        away: bool,
+    },
 }
 
 /// Protocol, layout and scene that a host expects of the machine.

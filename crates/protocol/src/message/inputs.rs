@@ -1,4 +1,4 @@
-//! Inputs by which a person stops the machine.
+//! Inputs of the machine: contacts by which a person stops it, a probe, limit switches.
 
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -10,6 +10,10 @@ pub struct InputStates {
     pub emergency_stop: InputState,
     /// The door. Active: open.
     pub door: InputState,
+    /// The probe. Active: it touches.
+    pub probe: InputState,
+    /// Limit switches of the motors. Active: the motor stands beyond its range, or the wire is broken.
+    pub limits: [InputState; 3],
 }
 
 /// State of one input.
@@ -18,9 +22,9 @@ pub enum InputState {
     /// The scene names no such input.
     #[default]
     Absent,
-    /// It lets the machine move.
+    /// Not active.
     Clear,
-    /// It keeps the machine from moving.
+    /// It keeps the machine from moving; a probe touches.
     Active,
 }
 
@@ -29,6 +33,8 @@ impl InputStates {
     pub const ABSENT: Self = Self {
         emergency_stop: InputState::Absent,
         door: InputState::Absent,
+        probe: InputState::Absent,
+        limits: [InputState::Absent; 3],
     };
 }
 
@@ -41,7 +47,7 @@ impl InputState {
         }
     }
 
-    /// Returns true if the input keeps the machine from moving.
+    /// Returns true if the input is active.
     pub fn is_active(self) -> bool {
         self == Self::Active
     }

@@ -21,6 +21,7 @@ mod levels;
 mod moves;
 mod part;
 mod path;
+mod probe;
 mod refusal;
 mod report;
 pub mod scene;
@@ -41,6 +42,7 @@ pub use levels::{FULL_LEVEL, LEVEL_PARTS, LEVELS, LISTED, LevelPiece, LevelRange
 pub use moves::{AnyMove, BATCH, Move, MoveBatch, MoveStep, QuinticMove, ToolSetting};
 pub use part::{Content, Unread, Written};
 pub use path::{PathCurve, PathPiece};
+pub use probe::{ProbeContact, ProbeRun};
 pub use refusal::Refusal;
 pub use report::{
     Cut, Event, Identity, Interruption, JobAccount, Message, MessageRef, NAME_CAPACITY, Reply,

@@ -126,4 +126,15 @@ pub enum Refusal<N: Number> {
     EmergencyStop,
     /// The door is open: nothing moves before it is closed.
     DoorOpen,
+    /// The scene names no probe.
+    NoProbe,
+    /// The probe touches before the run.
+    ProbeTouches,
+    /// The probe does not touch before the run, which is to lead away.
+    ProbeOpen,
+    /// A motor stands on its limit switch: only a recovery or homing moves the machine.
+    LimitSwitch {
+        /// The motor, from 0.
+        motor: u8,
+    },
 }

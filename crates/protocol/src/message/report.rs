@@ -5,6 +5,7 @@ use super::board::{AngleReference, Board};
 use super::command::JobLabel;
 use super::drive::{DriveSample, NotEnabled};
 use super::inputs::InputStates;
+use super::probe::ProbeRun;
 use super::refusal::Refusal;
 use super::scene::Section;
 use super::state::{Acting, State};
@@ -187,6 +188,8 @@ pub struct Status<N: Number> {
     pub not_enabled: Option<NotEnabled<N>>,
     /// Inputs of the machine, free of bounces.
     pub inputs: InputStates,
+    /// The last run with a probe since the machine was switched on.
+    pub probe: Option<ProbeRun<N>>,
 }
 
 impl<N: Number> Status<N> {
@@ -260,4 +263,6 @@ pub enum Event<N: Number> {
     Fault(Fault<N>),
     /// An input of the machine changed.
     Inputs(InputStates),
+    /// A run with a probe has touched, or has ended without.
+    Probe(ProbeRun<N>),
 }

@@ -56,6 +56,8 @@ pub enum Acting {
     Limit(Bounded),
     /// The door is open, or was: the machine waits to be resumed once it is closed.
     Door,
+    /// The contact of the probe has changed: the run is over.
+    Probe,
 }
 
 impl State {

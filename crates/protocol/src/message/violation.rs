@@ -163,6 +163,8 @@ pub enum FaultCode {
     ContactMoment,
     /// The emergency stop was pressed, or its wire is broken.
     EmergencyStop,
+    /// The motor has reached its limit switch, or the wire of that is broken.
+    LimitSwitch,
 }
 
 /// Reason why a drive does not do what it was told.
@@ -220,7 +222,8 @@ impl FaultCode {
             | Self::FollowingError
             | Self::Contact
             | Self::ContactMoment
-            | Self::EmergencyStop => None,
+            | Self::EmergencyStop
+            | Self::LimitSwitch => None,
         }
     }
 }

@@ -24,10 +24,20 @@ use trirrr_protocol::message::{
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     pub(super) fn start(&mut self) -> Result<(), Refusal<N>> {
+        self.start_as(Order::Start)
+    }
+
+    /// Begins the job by `order`, a start or a run with the probe.
+    #[inline(never)]
+    pub(super) fn start_as(&mut self, order: Order) -> Result<(), Refusal<N>> {
         if self.status.state != State::Idle {
             return Err(Refusal::State(self.status.state));
         }
         self.require_clear_inputs()?;
+        self.require_free_limits()?;
+        if let Order::Probe { away } = order {
+            self.require_contact_ahead(away)?;
+        }
         let undecided = self.offered.peek().is_some() || self.is_planning();
         // In idle nothing is under way.
         if self.has_played_all() {
@@ -53,7 +63,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
                 Refusal::EndsMoving
             });
         }
-        self.order(Order::Start, State::Running)
+        self.order(order, State::Running)
     }
 
     pub(super) fn hold(&mut self) -> Result<(), Refusal<N>> {

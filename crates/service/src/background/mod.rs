@@ -196,6 +196,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
                 job: None,
                 not_enabled: None,
                 inputs,
+                probe: None,
             },
             reported: (State::Disabled, Acting::Nothing, 0),
             generation: 0,

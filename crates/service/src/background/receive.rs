@@ -168,6 +168,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             Command::Levels(piece) => self.give_levels(piece.content()),
             Command::Listed(listed) => self.offer_listed(listed.content()),
             Command::Start => self.start(),
+            Command::Probe { away } => self.start_probing(*away),
             Command::Hold => self.hold(),
             Command::Resume => self.resume(),
             Command::Stop => self.stop(),

@@ -23,6 +23,17 @@ pub(crate) struct PoseSearch<N: Number> {
     found: Option<Pose<N>>,
 }
 
+/// Pose at `angles` to which Newton's method leads from `guess`, within half a turn of it; none if it leads nowhere.
+pub(crate) fn pose_near<N: ServiceNumber>(
+    coefficients: &FeedbackCoefficients<N>,
+    angles: &[N::Angle; 3],
+    guess: Pose<N>,
+) -> Option<Pose<N>> {
+    let found = coefficients.forward.solve(angles, guess, MOST_STEPS).ok()?;
+    let turned = N::radians(found.pose.angle - guess.angle).abs();
+    (turned <= N::radians(N::half_turn())).then_some(found.pose)
+}
+
 impl<N: ServiceNumber> PoseSearch<N> {
     /// Begins the search for the pose at `angles`, `near` one first.
     pub(crate) fn new(angles: [N::Angle; 3], near: Pose<N>) -> Self {
@@ -46,11 +57,7 @@ impl<N: ServiceNumber> PoseSearch<N> {
         let guess = self.guess(coefficients);
         self.guess += 1;
         let forward = &coefficients.forward;
-        let found = forward.solve(&self.angles, guess, MOST_STEPS).ok()?.pose;
-        let turned = N::radians(found.angle - guess.angle).abs();
-        if !(turned <= N::radians(N::half_turn())) {
-            return None;
-        }
+        let found = pose_near(coefficients, &self.angles, guess)?;
         let way = shorter_way::<N>(found.angle - self.near.angle);
         let pose = Pose {
             angle: self.near.angle + N::angle(way),

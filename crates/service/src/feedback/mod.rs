@@ -13,7 +13,7 @@ mod find_pose;
 mod parameters;
 mod watch;
 
-pub(crate) use find_pose::PoseSearch;
+pub(crate) use find_pose::{PoseSearch, pose_near};
 pub use parameters::{FeedbackCoefficients, FeedbackParameters, WatchLimits};
 pub use watch::DriveWatch;
 pub(crate) use watch::EnableProgress;

@@ -1,15 +1,17 @@
-//! Emergency stop and door.
+//! Emergency stop, door, limit switches and probe.
 
 use super::super::homing::Homing;
-use super::super::interlock::InterlockKind;
+use super::super::interlock::{InterlockKind, LatchedContact};
 use super::super::scene::Scene;
 use super::Foreground;
 use crate::guard::LimitBreach;
 use crate::number::ServiceNumber;
+use crate::splice::Optional;
 use trirrr_protocol::message::{Acting, FaultCode, State};
 
 impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
-    /// Stops for a person: by a fault if the emergency stop was pressed, by a hold while the door is open.
+    /// Stops for a person or a contact: by a fault if the emergency stop was pressed or a motor has reached its limit switch, by a
+    /// hold while the door is open, by a stop where the probe of a run touches.
     #[inline(always)]
     pub(super) fn check_interlocks(&mut self) {
         if self.interlocks.take_stop() {
@@ -20,9 +22,44 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 limit: N::ZERO,
             });
         }
+        // Homing moves the motors onto their switches and off them. Drives that are off, or go on, move nothing.
+        let watched = self.output.is_on()
+            && !self.homing.is_under_way()
+            && !matches!(self.state, State::Enabling | State::Unhomed);
+        if let Some(motor) = self.interlocks.take_limit(watched) {
+            self.latch(LimitBreach {
+                code: FaultCode::LimitSwitch,
+                index: Some(motor),
+                value: N::ZERO,
+                limit: N::ZERO,
+            });
+        }
         if self.interlocks.is_open() {
             self.wait_for_door();
         }
+        if self
+            .interlocks
+            .probe()
+            .is_some_and(|probe| probe.is_tripped())
+        {
+            self.touch();
+        }
+    }
+
+    /// The run with the probe is over. The readings of this tick belong to the angles that were commanded in the last one.
+    #[cold]
+    fn touch(&mut self) {
+        let readings = self.feedback.get().and_then(|watch| watch.readings());
+        let contact = LatchedContact {
+            tick: self.clock,
+            pose: self.pose,
+            angles: readings.map(|all| all.each_ref().map(|reading| reading.angle)),
+        };
+        if let Some(probe) = self.interlocks.probe() {
+            probe.touch(contact);
+        }
+        self.unreported = true;
+        self.transition_to(State::Stopping, Acting::Probe);
     }
 
     /// Holds a job, and gives any other motion up, as where the host is silent. In each tick: a job that an order of this tick or moves

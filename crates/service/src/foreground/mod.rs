@@ -449,6 +449,10 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     fn transition_to(&mut self, state: State, acting: Acting) {
         if self.state != state || self.acting != acting {
             self.account(state, acting);
+            let plays = matches!(state, State::Running | State::Slowing | State::Holding);
+            if !plays && let Some(probe) = self.interlocks.probe() {
+                probe.disarm();
+            }
             self.state = state;
             self.acting = acting;
             self.unreported = true;

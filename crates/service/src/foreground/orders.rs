@@ -30,6 +30,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         self.unreported = true;
         match order {
             Order::Start => return self.start(),
+            Order::Probe { away } => return self.start_probing(away),
             Order::Hold => self.hold(),
             // The state may be older than the door.
             Order::Resume => self.held = self.interlocks.is_open(),
@@ -82,12 +83,24 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         planned.generation != self.generation
     }
 
+    fn start_probing(&mut self, away: bool) -> bool {
+        let probe = self.interlocks.probe();
+        if !probe.is_some_and(|probe| probe.is_ready(away)) || !self.start() {
+            return false;
+        }
+        if let Some(probe) = self.interlocks.probe() {
+            probe.arm(away);
+        }
+        true
+    }
+
     fn start(&mut self) -> bool {
         let full = self.moves.is_full();
         let ahead = self.ahead();
         let room = |x: usize| self.passed.room.left(&ahead.room, x);
         let enough = ahead.rests_from(self.begun) || self.feed.is_enough(0, room);
-        if self.state != State::Idle || self.interlocks.is_open() || !(enough || full) {
+        let is_blocked = self.interlocks.is_open() || self.interlocks.is_at_limit();
+        if self.state != State::Idle || is_blocked || !(enough || full) {
             return false;
         }
         if !self.begin_next() {

@@ -1,31 +1,42 @@
-//! Interlocks: inputs by which a person stops the machine, an emergency stop and a door.
+//! Interlocks: inputs by which a person or a contact stops the machine.
 //!
 //! | input | active | the tick |
 //! |---|---|---|
 //! | emergency stop | pressed, or the wire is broken | latches a fault with the stop category of the scene. `ClearFault` is taken once the stop is released |
 //! | door | open | tool off at once, feed hold; other motion is given up. Nothing starts or goes on before the door is closed and the host commands it |
+//! | limit switch of a motor | the motor has reached it, or the wire is broken | latches a fault with the motor's number, once; not in homing. `Recover` and `Home` lead off it, no job starts on it |
+//! | probe | touches | in a run with the probe: keeps tick and pose, tool off, comes to rest on the path and drops the job |
 //!
 //! The choice is a type, as that of [homing](super::homing) is: without interlocks an image holds nothing of them.
 
 mod debounce;
+mod limits;
+mod probe;
 
 use crate::settings::StopCategory;
 use crate::splice::{Optional, Present};
 use core::fmt::Debug;
+use core::marker::PhantomData;
+use trirrr_core::number::Number;
 use trirrr_core::to_source;
 use trirrr_protocol::message::{InputState, InputStates};
 
 use debounce::DebouncedInput;
+use limits::LimitSwitches;
+pub(crate) use probe::{LatchedContact, LatchedRun};
+pub use probe::{ProbeLatch, ProbeMemory};
 
 /// Interlocks of a scene; `()` without any.
-pub trait InterlockKind: Send {
+pub trait InterlockKind<N: Number>: Send {
     /// True for a scene with any.
     const EXIST: bool;
 
     /// Readings of the contacts in a tick.
     type Readings: Copy + Default;
+    /// Memory of a probe; `()` without any.
+    type Probe: ProbeMemory<N>;
     /// Report of the tick about them.
-    type Report: Optional<InputStates> + Copy + Debug + PartialEq;
+    type Report: Optional<InterlockReport<Self::Probe>> + Copy + Debug + PartialEq;
 
     /// Takes what the contacts tell, before the tick. Returns true if an input changed.
     fn sense(&mut self, readings: Self::Readings) -> bool;
@@ -42,6 +53,15 @@ pub trait InterlockKind: Send {
     /// Returns true while the door is open.
     fn is_open(&self) -> bool;
 
+    /// Returns the motor that has come onto its limit switch. Where switches are not `watched`, those that motors stand on count as known.
+    fn take_limit(&mut self, watched: bool) -> Option<u8>;
+
+    /// Returns true while a motor stands on its limit switch.
+    fn is_at_limit(&self) -> bool;
+
+    /// Returns the probe; `None` without any.
+    fn probe(&mut self) -> Option<&mut ProbeLatch<N>>;
+
     /// Returns the stop category of the emergency stop.
     fn category(&self) -> StopCategory;
 
@@ -52,9 +72,17 @@ pub trait InterlockKind: Send {
     fn states(&self) -> InputStates;
 }
 
-impl InterlockKind for () {
+/// Report of the tick about the interlocks, with a probe of the kind `P`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InterlockReport<P> {
+    pub(crate) states: InputStates,
+    pub(crate) probe: P,
+}
+
+impl<N: Number> InterlockKind<N> for () {
     const EXIST: bool = false;
     type Readings = ();
+    type Probe = ();
     type Report = ();
 
     #[inline(always)]
@@ -81,6 +109,21 @@ impl InterlockKind for () {
     }
 
     #[inline(always)]
+    fn take_limit(&mut self, _: bool) -> Option<u8> {
+        None
+    }
+
+    #[inline(always)]
+    fn is_at_limit(&self) -> bool {
+        false
+    }
+
+    #[inline(always)]
+    fn probe(&mut self) -> Option<&mut ProbeLatch<N>> {
+        None
+    }
+
+    #[inline(always)]
     fn category(&self) -> StopCategory {
         StopCategory::Off
     }
@@ -101,6 +144,10 @@ pub struct InterlockParameters {
     pub emergency_stop: Option<EmergencyStop>,
     /// Door.
     pub door: Option<Door>,
+    /// Probe.
+    pub probe: Option<ProbeInput>,
+    /// Limit switches of the motors.
+    pub limits: Option<LimitInputs>,
 }
 
 /// Settings of an emergency stop.
@@ -119,6 +166,20 @@ pub struct Door {
     pub debounce_ticks: u16,
 }
 
+/// Settings of a probe.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ProbeInput {
+    /// Ticks of a change without bounces until it is told; at least 1. A run ends in the first of them.
+    pub debounce_ticks: u16,
+}
+
+/// Settings of the limit switches.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LimitInputs {
+    /// Ticks of a change without bounces, that in which it counts included; at least 1.
+    pub debounce_ticks: u16,
+}
+
 to_source!(pub [] EmergencyStop [] in trirrr_service {
     debounce_ticks,
     category,
@@ -126,23 +187,45 @@ to_source!(pub [] EmergencyStop [] in trirrr_service {
 
 to_source!(pub [] Door [] in trirrr_service { debounce_ticks });
 
+to_source!(pub [] ProbeInput [] in trirrr_service { debounce_ticks });
+
+to_source!(pub [] LimitInputs [] in trirrr_service { debounce_ticks });
+
 to_source!(pub [] InterlockParameters [] in trirrr_service {
     emergency_stop,
     door,
+    probe,
+    limits,
 });
 
-/// Readings of the contacts in a tick, bounces and all: true where the machine must not move.
+/// Readings of the contacts in a tick, bounces and all: true where the input is active.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InterlockReadings {
     /// The emergency stop is pressed.
     pub emergency_stop: bool,
     /// The door is open.
     pub door: bool,
+    /// The probe touches.
+    pub probe: bool,
+    /// The motor has reached its limit switch.
+    pub limits: [bool; 3],
 }
 
-/// Interlocks of a scene with an emergency stop (`STOP`), a door (`DOOR`), or both. Code for the other is left out.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Interlocks<const STOP: bool, const DOOR: bool> {
+/// Bits of the inputs for which [`Interlocks`] have code. That for the others is left out.
+pub mod input_bits {
+    /// Emergency stop.
+    pub const STOP: u8 = 1;
+    /// Door.
+    pub const DOOR: u8 = 2;
+    /// Limit switches.
+    pub const LIMITS: u8 = 4;
+    /// All of them.
+    pub const ALL: u8 = STOP | DOOR | LIMITS;
+}
+
+/// Interlocks of a scene with the [inputs](input_bits) `INPUTS`, and with a probe `P`, a [`ProbeLatch`] or `()`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Interlocks<N: Number, const INPUTS: u8, P> {
     stop: DebouncedInput,
     category: StopCategory,
     /// A fault was latched since the stop was acknowledged.
@@ -150,9 +233,17 @@ pub struct Interlocks<const STOP: bool, const DOOR: bool> {
     has_stop: bool,
     door: DebouncedInput,
     has_door: bool,
+    limits: LimitSwitches,
+    has_limits: bool,
+    probe: P,
+    number: PhantomData<N>,
 }
 
-impl<const STOP: bool, const DOOR: bool> Interlocks<STOP, DOOR> {
+impl<N: Number, const INPUTS: u8, P: ProbeMemory<N>> Interlocks<N, INPUTS, P> {
+    const STOP: bool = INPUTS & input_bits::STOP != 0;
+    const DOOR: bool = INPUTS & input_bits::DOOR != 0;
+    const LIMITS: bool = INPUTS & input_bits::LIMITS != 0;
+
     /// Interlocks that are clear, until the contacts tell something else.
     pub fn new(parameters: &InterlockParameters) -> Self {
         let stop = parameters.emergency_stop;
@@ -160,9 +251,13 @@ impl<const STOP: bool, const DOOR: bool> Interlocks<STOP, DOOR> {
             stop: DebouncedInput::new(stop.map_or(1, |stop| stop.debounce_ticks)),
             category: stop.map_or(StopCategory::Off, |stop| stop.category),
             is_latched: false,
-            has_stop: STOP && stop.is_some(),
+            has_stop: Self::STOP && stop.is_some(),
             door: DebouncedInput::new(parameters.door.map_or(1, |door| door.debounce_ticks)),
-            has_door: DOOR && parameters.door.is_some(),
+            has_door: Self::DOOR && parameters.door.is_some(),
+            limits: LimitSwitches::new(parameters.limits.map_or(1, |each| each.debounce_ticks)),
+            has_limits: Self::LIMITS && parameters.limits.is_some(),
+            probe: P::new(parameters.probe.map(|probe| probe.debounce_ticks)),
+            number: PhantomData,
         }
     }
 
@@ -173,22 +268,28 @@ impl<const STOP: bool, const DOOR: bool> Interlocks<STOP, DOOR> {
     }
 }
 
-impl<const STOP: bool, const DOOR: bool> InterlockKind for Interlocks<STOP, DOOR> {
+impl<N: Number, const INPUTS: u8, P: ProbeMemory<N>> InterlockKind<N> for Interlocks<N, INPUTS, P> {
     const EXIST: bool = true;
     type Readings = InterlockReadings;
-    type Report = Present<InputStates>;
+    type Probe = P;
+    type Report = Present<InterlockReport<P>>;
 
     #[inline]
     fn sense(&mut self, readings: InterlockReadings) -> bool {
-        // Both are read in each tick: no shortcut.
-        let stop = STOP && self.has_stop && self.stop.read(readings.emergency_stop);
-        let door = DOOR && self.has_door && self.door.read(readings.door);
-        stop | door
+        // All are read in each tick: no shortcut.
+        let stop = Self::STOP && self.has_stop && self.stop.read(readings.emergency_stop);
+        let door = Self::DOOR && self.has_door && self.door.read(readings.door);
+        let limits = Self::LIMITS && self.has_limits && self.limits.read(readings.limits);
+        let probe = match self.probe.get_mut() {
+            Some(probe) => probe.read(readings.probe),
+            None => false,
+        };
+        stop | door | limits | probe
     }
 
     #[inline(always)]
     fn is_pressed(&self) -> bool {
-        STOP && self.stop.is_active()
+        Self::STOP && self.stop.is_active()
     }
 
     #[inline]
@@ -205,7 +306,25 @@ impl<const STOP: bool, const DOOR: bool> InterlockKind for Interlocks<STOP, DOOR
 
     #[inline(always)]
     fn is_open(&self) -> bool {
-        DOOR && self.door.is_active()
+        Self::DOOR && self.door.is_active()
+    }
+
+    #[inline(always)]
+    fn take_limit(&mut self, watched: bool) -> Option<u8> {
+        match Self::LIMITS {
+            true => self.limits.take_new(watched),
+            false => None,
+        }
+    }
+
+    #[inline(always)]
+    fn is_at_limit(&self) -> bool {
+        Self::LIMITS && self.limits.states() != [false; 3]
+    }
+
+    #[inline(always)]
+    fn probe(&mut self) -> Option<&mut ProbeLatch<N>> {
+        self.probe.get_mut()
     }
 
     #[inline(always)]
@@ -214,26 +333,42 @@ impl<const STOP: bool, const DOOR: bool> InterlockKind for Interlocks<STOP, DOOR
     }
 
     #[inline]
-    fn report(&self) -> Present<InputStates> {
-        Present(self.states())
+    fn report(&self) -> Self::Report {
+        Present(InterlockReport {
+            states: self.states(),
+            probe: self.probe,
+        })
     }
 
     fn states(&self) -> InputStates {
-        let state = |has: bool, input: &DebouncedInput| match has {
-            true => InputState::of(input.is_active()),
+        let state = |has: bool, is_active: bool| match has {
+            true => InputState::of(is_active),
             false => InputState::Absent,
         };
         InputStates {
-            emergency_stop: state(self.has_stop, &self.stop),
-            door: state(self.has_door, &self.door),
+            emergency_stop: state(self.has_stop, self.stop.is_active()),
+            door: state(self.has_door, self.door.is_active()),
+            probe: match self.probe.get() {
+                Some(probe) => state(probe.exists(), probe.is_active()),
+                None => InputState::Absent,
+            },
+            limits: match Self::LIMITS {
+                true => self
+                    .limits
+                    .states()
+                    .map(|each| state(self.has_limits, each)),
+                false => [InputState::Absent; 3],
+            },
         }
     }
 }
 
 /// Content of what the contacts of scene `S` tell in a tick.
-pub type InterlockReadingsOf<S> =
-    <<S as crate::scene::Scene>::Interlocks as InterlockKind>::Readings;
+pub type InterlockReadingsOf<S> = <<S as crate::scene::Scene>::Interlocks as InterlockKind<
+    <S as crate::scene::Scene>::N,
+>>::Readings;
 
 /// Report of the tick about the interlocks of scene `S`.
-pub(crate) type InterlockReportOf<S> =
-    <<S as crate::scene::Scene>::Interlocks as InterlockKind>::Report;
+pub(crate) type InterlockReportOf<S> = <<S as crate::scene::Scene>::Interlocks as InterlockKind<
+    <S as crate::scene::Scene>::N,
+>>::Report;

@@ -3,7 +3,7 @@
 //! [`Compiled`] cannot change: an image with it holds coefficients and no code to build any.
 //! [`Adjustable`] takes overrides of geometry, loads and limits while the machine is idle.
 //! [`WithLevels`] adds power lists to either, [`WithHoming`] homing, [`WithFeedback`] drives that tell where they are, [`WithContact`] the detection of contacts to that,
-//! [`WithInterlocks`] an emergency stop and a door. The choice
+//! [`WithInterlocks`] an emergency stop, a door, limit switches and a probe. The choice
 //! is a type, so that a scene pays only for its own kind. Likewise the kinds of moves: cubics, or quintics beside them.
 
 /// Items of a [`Scene`] that adds nothing to those of its field `scene`, of type `S` in the number type `N`: everything but
@@ -182,8 +182,8 @@ pub trait Scene {
     /// Retreat after a contact; [`NoRetreat`](crate::NoRetreat) without any.
     type Retreat: RetreatKind;
 
-    /// Emergency stop and door; `()` without either.
-    type Interlocks: InterlockKind;
+    /// Emergency stop, door, limit switches and probe; `()` without any.
+    type Interlocks: InterlockKind<Self::N>;
 
     /// Coefficients as the background keeps them: a reference to constants, or the coefficients themselves.
     type Coefficients: Borrow<Coefficients<Self::Model>>;

@@ -112,6 +112,13 @@ struct Rig<N: ServiceNumber> {
     powers: Vec<Power>,
 }
 
+/// Feedback of the thesis machine. The memory is never freed.
+pub(super) fn coefficients<N: ServiceNumber>() -> &'static FeedbackCoefficients<N> {
+    let geometry = Geometry::<N>::build(&example()).unwrap();
+    let coefficients = FeedbackCoefficients::build(&PARAMETERS, &example(), &geometry, home());
+    Box::leak(Box::new(coefficients.unwrap()))
+}
+
 pub(super) fn angles_at(pose: [f64; 3]) -> Option<[f64; 3]> {
     let geometry = Geometry::<f64>::build(&example()).unwrap();
     let [x, y, alpha] = pose;
@@ -122,12 +129,9 @@ pub(super) fn angles_at(pose: [f64; 3]) -> Option<[f64; 3]> {
 impl<N: ServiceNumber> Rig<N> {
     /// Switched on, its joints at `angles`.
     fn new(angles: [f64; 3], limits: LimitParameters) -> Self {
-        let geometry = Geometry::<N>::build(&example()).unwrap();
-        let coefficients =
-            FeedbackCoefficients::build(&PARAMETERS, &example(), &geometry, home()).unwrap();
         let scene = WithFeedback {
             scene: Adjustable::new(example(), limits),
-            feedback: Some(Box::leak(Box::new(coefficients))),
+            feedback: Some(coefficients()),
         };
         let mut rig = Self {
             bench: Bench::off(scene, home(), settings()),

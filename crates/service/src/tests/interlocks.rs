@@ -1,14 +1,20 @@
-//! Emergency stop and door.
+//! Emergency stop, door, limit switches and probe.
 
 use super::homing::home_angles;
 use super::*;
 use crate::settings::StopCategory;
+use core::marker::PhantomData;
 use trirrr_protocol::message::{Acting, DriveFault, FaultCode, InputState, InputStates, Recovery};
 
-pub(super) type GuardedScene = WithInterlocks<Thesis<f64>, true, true>;
+/// All inputs, as hosts have them.
+type AllInputs<N> = Interlocks<N, { input_bits::ALL }, ProbeLatch<N>>;
+
+pub(super) type GuardedScene = WithInterlocks<Thesis<f64>, { input_bits::ALL }, ProbeLatch<f64>>;
 
 pub(super) const STOP_TICKS: u16 = 2;
 pub(super) const DOOR_TICKS: u16 = 3;
+pub(super) const PROBE_TICKS: u16 = 2;
+pub(super) const LIMIT_TICKS: u16 = 2;
 
 /// The thesis machine with an emergency stop of this category, and a door.
 pub(super) fn scene(category: StopCategory) -> GuardedScene {
@@ -22,23 +28,41 @@ pub(super) fn scene(category: StopCategory) -> GuardedScene {
             door: Some(Door {
                 debounce_ticks: DOOR_TICKS,
             }),
+            ..InterlockParameters::default()
         },
+        probe: PhantomData,
+    }
+}
+
+/// The thesis machine with a probe and limit switches.
+pub(super) fn touching() -> GuardedScene {
+    WithInterlocks {
+        parameters: InterlockParameters {
+            probe: Some(ProbeInput {
+                debounce_ticks: PROBE_TICKS,
+            }),
+            limits: Some(LimitInputs {
+                debounce_ticks: LIMIT_TICKS,
+            }),
+            ..InterlockParameters::default()
+        },
+        ..scene(StopCategory::Off)
     }
 }
 
 /// A service, and what its contacts tell.
-struct Guarded<S: Scene<N = f64, Interlocks = Interlocks<true, true>> + 'static> {
-    bench: Bench<S>,
-    readings: InterlockReadings,
+pub(super) struct Guarded<S: Scene<N = f64, Interlocks = AllInputs<f64>> + 'static> {
+    pub(super) bench: Bench<S>,
+    pub(super) readings: InterlockReadings,
 }
 
-impl<S: Scene<N = f64, Interlocks = Interlocks<true, true>> + 'static> Guarded<S> {
-    fn tick(&mut self) -> Output<f64> {
+impl<S: Scene<N = f64, Interlocks = AllInputs<f64>> + 'static> Guarded<S> {
+    pub(super) fn tick(&mut self) -> Output<f64> {
         self.bench.service.sense(self.readings);
         self.bench.tick()
     }
 
-    fn ticks(&mut self, ticks: u16) {
+    pub(super) fn ticks(&mut self, ticks: u16) {
         for _ in 0..ticks {
             self.tick();
         }
@@ -56,7 +80,7 @@ impl<S: Scene<N = f64, Interlocks = Interlocks<true, true>> + 'static> Guarded<S
         self.ticks(DOOR_TICKS - 1);
     }
 
-    fn until(&mut self, state: State) {
+    pub(super) fn until(&mut self, state: State) {
         for _ in 0..1000 {
             self.tick();
             if self.bench.service.state() == state {
@@ -70,6 +94,7 @@ impl<S: Scene<N = f64, Interlocks = Interlocks<true, true>> + 'static> Guarded<S
         let InputStates {
             emergency_stop,
             door,
+            ..
         } = self.bench.status().inputs;
         [emergency_stop, door]
     }
@@ -241,7 +266,7 @@ fn an_emergency_stop_switches_off_what_a_fault_of_category_2_holds() {
     assert_eq!(bench.state(), State::Fault);
     let readings = InterlockReadings {
         emergency_stop: true,
-        door: false,
+        ..InterlockReadings::default()
     };
     for tick in 1..=STOP_TICKS {
         bench.service.sense(readings);
@@ -338,12 +363,13 @@ fn a_door_that_was_open_for_a_moment_holds_the_job() {
 fn homing_is_given_up_where_the_door_opens() {
     let parameters = super::homing::parameters(Contact::Switch);
     let coefficients = HomingCoefficients::build(&parameters, PERIOD_S);
-    let scene = WithInterlocks::<_, true, true> {
+    let scene = WithInterlocks::<_, { input_bits::ALL }, ProbeLatch<f64>> {
         scene: WithHoming {
             scene: Adjustable::<Dynamic<f64>>::new(example(), LimitParameters::default()),
             homing: Some(&*Box::leak(Box::new(coefficients))),
         },
         parameters: scene(StopCategory::Off).parameters,
+        probe: PhantomData,
     };
     let mut guarded = Guarded {
         bench: Bench::set(scene, home(), settings()),
@@ -376,7 +402,7 @@ fn a_scene_tells_the_inputs_that_it_names() {
     };
     let mut guarded = Guarded {
         bench: Bench::set(
-            WithInterlocks::<_, true, true> {
+            WithInterlocks {
                 parameters,
                 ..scene(StopCategory::Off)
             },
@@ -384,8 +410,8 @@ fn a_scene_tells_the_inputs_that_it_names() {
             settings(),
         ),
         readings: InterlockReadings {
-            emergency_stop: false,
             door: true,
+            ..InterlockReadings::default()
         },
     };
     guarded.ticks(20);

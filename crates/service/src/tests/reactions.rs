@@ -28,6 +28,7 @@ fn all(category: StopCategory) -> Reactions {
         overrun: category,
         following: category,
         drive: category,
+        limit_switch: category,
     }
 }
 

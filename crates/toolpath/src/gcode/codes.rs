@@ -133,7 +133,7 @@ fn no_general(tenths: u32) -> &'static str {
         171..200 => "the machine moves in the plane of x and y; arcs need G17",
         281 | 301 => "positions are not stored by programs; set the goal of G28 in the setup",
         300 => "there is no second home; use G28, or G53 G0 with coordinates",
-        380..390 => "the machine has no probe",
+        380..390 => "jobs do not probe; `trirrr grbl` takes G38.2 to G38.5 from a sender",
         410..430 => "there is no compensation for the tool's width; offset the path and use G40",
         430..440 => "there is no compensation for the tool's length; use G49",
         591..600 => "there are six coordinate systems; use G54 to G59",

@@ -75,10 +75,18 @@ mod app {
     type HeldDrives =
         trirrr_app::outputs::Braked<Drives, <super::board::Brake as super::pins::BoardPin>::Output>;
 
-    #[cfg(tool = "none")]
+    #[cfg(all(tool = "none", not(lamp)))]
     type Outputs = HeldDrives;
-    #[cfg(not(tool = "none"))]
+    #[cfg(all(not(tool = "none"), not(lamp)))]
     type Outputs = trirrr_app::outputs::Tooled<HeldDrives, super::tool::ToolPin>;
+    #[cfg(all(tool = "none", lamp))]
+    type Outputs =
+        trirrr_app::WithLamp<HeldDrives, <super::board::Lamp as super::pins::BoardPin>::Output>;
+    #[cfg(all(not(tool = "none"), lamp))]
+    type Outputs = trirrr_app::WithLamp<
+        trirrr_app::outputs::Tooled<HeldDrives, super::tool::ToolPin>,
+        <super::board::Lamp as super::pins::BoardPin>::Output,
+    >;
 
     #[shared]
     struct Shared {}
@@ -171,12 +179,21 @@ mod app {
             };
             trirrr_app::outputs::Tooled::new(outputs, super::tool::build(parts))
         };
+        #[cfg(lamp)]
+        let outputs = {
+            let pin = super::pins::BoardPin::output(pins.lamp, false);
+            trirrr_app::WithLamp::new(outputs, pin)
+        };
         #[cfg(homing)]
         let inputs = switches::build(pins.homing_1, pins.homing_2, pins.homing_3);
         #[cfg(not(homing))]
         let inputs = switches::Switches;
         #[cfg(interlocks)]
-        let inputs = interlocks::build(inputs, pins.stop, pins.door);
+        let inputs = interlocks::build(
+            inputs,
+            (pins.stop, pins.door, pins.probe),
+            (pins.limit_1, pins.limit_2, pins.limit_3),
+        );
         watchdog.start(WATCHDOG_MS.millis());
         let (received, bytes) = bytes.split();
         let clock = TickClock::start(context.core.SYST, const { period(CORE_HZ) });

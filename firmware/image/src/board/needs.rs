@@ -24,10 +24,18 @@ pub struct Needs {
     pub homing: bool,
     /// Brake.
     pub brake: bool,
+    /// Status lamp.
+    pub lamp: bool,
     /// Emergency stop.
     pub stop: bool,
     /// Door.
     pub door: bool,
+    /// Probe.
+    pub probe: bool,
+    /// Limit switches with pins of their own.
+    pub limits: bool,
+    /// Any input, also limit switches that are those of homing.
+    pub interlocks: bool,
     /// Slots of its steppers, Hz, and its ticks, Hz.
     pub slots: Option<(u32, f64)>,
 }
@@ -56,8 +64,12 @@ impl Needs {
             tool_enable: scene.tool.is_some_and(|port| has_enable(&port.kind)),
             homing: scene.homing.is_some(),
             brake: scene.power.has_brake,
+            lamp: scene.has_lamp,
             stop: scene.inputs.interlocks.emergency_stop.is_some(),
             door: scene.inputs.interlocks.door.is_some(),
+            probe: scene.inputs.interlocks.probe.is_some(),
+            limits: scene.inputs.has_limit_pins(),
+            interlocks: scene.inputs.are_named(),
             slots: slots.map(|slots| (slots, scene.tick_rate_hz)),
         })
     }
@@ -82,13 +94,17 @@ impl Needs {
         metadata
     }
 
-    fn flags(&self) -> [(&'static str, bool); 5] {
+    fn flags(&self) -> [(&'static str, bool); 9] {
         [
             ("tool_enable", self.tool_enable),
             ("homing", self.homing),
             ("brake", self.brake),
+            ("lamp", self.lamp),
             ("estop", self.stop),
             ("door", self.door),
+            ("probe", self.probe),
+            ("limits", self.limits),
+            ("interlocks", self.interlocks),
         ]
     }
 
@@ -115,8 +131,12 @@ impl Needs {
             tool_enable: has("tool_enable"),
             homing: has("homing"),
             brake: has("brake"),
+            lamp: has("lamp"),
             stop: has("estop"),
             door: has("door"),
+            probe: has("probe"),
+            limits: has("limits"),
+            interlocks: has("interlocks"),
             slots,
         })
     }
@@ -151,8 +171,15 @@ impl Needs {
             ),
             (self.stop, Role::Stop, "an emergency stop"),
             (self.door, Role::Door, "a door"),
+            (self.probe, Role::Probe, "a probe"),
+            (
+                self.limits,
+                Role::Limits,
+                "limit switches with pins of their own",
+            ),
             (self.homing, Role::Homing, "homing"),
             (self.brake, Role::Brake, "a brake"),
+            (self.lamp, Role::Lamp, "a status lamp"),
         ];
         let drives = drives.iter().map(|role| (*role, what));
         let others = others.into_iter().filter(|(is_needed, ..)| *is_needed);
@@ -180,6 +207,7 @@ mod tests {
             "thesis.toml",
             "engraving.toml",
             "inputs/guarded.toml",
+            "inputs/probing.toml",
             "pick-home.toml",
         ] {
             let mut needs = of(scene);
@@ -202,5 +230,9 @@ mod tests {
         assert!(roles.contains(&Role::Tool) && !roles.contains(&Role::Stop));
         let roles = of("inputs/guarded.toml").roles();
         assert!(roles.contains_key(&Role::Stop) && roles.contains_key(&Role::Door));
+        assert!(!roles.contains_key(&Role::Probe) && !roles.contains_key(&Role::Limits));
+        let roles = of("inputs/probing.toml").roles();
+        assert!(roles.contains_key(&Role::Probe) && roles.contains_key(&Role::Limits));
+        assert!(roles.contains_key(&Role::Lamp) && !engraving.roles().contains_key(&Role::Lamp));
     }
 }

@@ -37,10 +37,16 @@ pub enum Role {
     Stop,
     /// Contact of the door.
     Door,
+    /// Contact of the probe.
+    Probe,
+    /// Limit switches of the three motors.
+    Limits,
     /// Switches of homing.
     Homing,
     /// Brake, released.
     Brake,
+    /// Status lamp.
+    Lamp,
 }
 
 /// Place and description of a role.
@@ -98,7 +104,7 @@ impl RoleEntry {
 }
 
 /// All roles, in the order of a board file.
-pub(super) const ROLES: [RoleEntry; 19] = [
+pub(super) const ROLES: [RoleEntry; 22] = [
     RoleEntry::new(Role::LineTransmit, ("line", "transmit"), 1)
         .text("the line, transmitter", "RX of the host's adapter")
         .output()
@@ -166,6 +172,12 @@ pub(super) const ROLES: [RoleEntry; 19] = [
     ),
     RoleEntry::new(Role::Door, ("inputs", "door"), 1)
         .text("[door](#inputs), pulled up", "contact to ground"),
+    RoleEntry::new(Role::Probe, ("inputs", "probe"), 1)
+        .text("[probe](#inputs), pulled up", "contact to ground"),
+    RoleEntry::new(Role::Limits, ("inputs", "limits"), 3).text(
+        "[limit switch](#inputs) of motor 1, 2, 3, pulled up",
+        "contact to ground",
+    ),
     RoleEntry::new(Role::Homing, ("inputs", "homing"), 3).text(
         "homing: input of motor 1, 2, 3, pulled up",
         "switch to ground, or a drive's stall output",
@@ -174,6 +186,12 @@ pub(super) const ROLES: [RoleEntry; 19] = [
         .text(
             "[brake](scene.md#power-optional), high while released",
             "driver of the brake's coil",
+        )
+        .output(),
+    RoleEntry::new(Role::Lamp, ("io", "lamp"), 1)
+        .text(
+            "[status lamp](#status-lamp), high while on",
+            "LED, or driver of a lamp",
         )
         .output(),
 ];

@@ -17,7 +17,7 @@ pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
 }
 
 /// Fields of the struct `Pins` for a role, one for each of its pins.
-const FIELDS: [(Role, &[&str]); 19] = [
+const FIELDS: [(Role, &[&str]); 22] = [
     (Role::LineTransmit, &["line_transmit"]),
     (Role::LineReceive, &["line_receive"]),
     (Role::LogTransmit, &["log_transmit"]),
@@ -47,8 +47,11 @@ const FIELDS: [(Role, &[&str]); 19] = [
     (Role::ToolEnable, &["tool_enable"]),
     (Role::Stop, &["stop"]),
     (Role::Door, &["door"]),
+    (Role::Probe, &["probe"]),
+    (Role::Limits, &["limit_1", "limit_2", "limit_3"]),
     (Role::Homing, &["homing_1", "homing_2", "homing_3"]),
     (Role::Brake, &["brake"]),
+    (Role::Lamp, &["lamp"]),
 ];
 
 /// Field of a struct: no pin where the scene has no use for it, and a type of the firmware asks for one.
@@ -68,9 +71,9 @@ fn fields<'b>(board: &'b BoardFile, needs: &Needs) -> Vec<PinField<'b>> {
             Role::LineTransmit | Role::LineReceive | Role::LogTransmit
         )
     };
-    // Emergency stop and door, and tool and its enable line, are one type of the firmware.
+    // The inputs, and tool and its enable line, are one type of the firmware each.
     let is_beside = |role| match role {
-        Role::Stop | Role::Door => needs.stop || needs.door,
+        Role::Stop | Role::Door | Role::Probe | Role::Limits => needs.interlocks,
         Role::ToolEnable => needs.has_tool(),
         _ => false,
     };
@@ -194,6 +197,7 @@ mod tests {
         let needs = Needs {
             tool: "duty".into(),
             door: true,
+            interlocks: true,
             ..steppers()
         };
         let text = of("generic-f405", |text| text, &needs);
@@ -203,6 +207,7 @@ mod tests {
             "direction_1: c.pc3,",
             "pub(crate) type ToolEnable = NoPin;",
             "pub(crate) type Stop = NoPin;",
+            "pub(crate) type Limit3 = NoPin;",
             "door: a.pa7,",
         ] {
             assert!(text.contains(part), "{part}: {text}");

@@ -106,11 +106,34 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
         let interlocks = scene.inputs.interlocks;
         let parameters = format!("{service}::InterlockParameters");
         file.constant("INTERLOCKS", &parameters, constant(&interlocks));
-        let has_stop = interlocks.emergency_stop.is_some();
-        file.constant("HAS_STOP", "bool", has_stop.to_string());
-        file.constant("HAS_DOOR", "bool", interlocks.door.is_some().to_string());
-        let is_closed = scene.inputs.door_normally == NormalContact::Closed;
-        file.constant("DOOR_OPEN_HIGH", "bool", is_closed.to_string());
+        let bits = [
+            ("STOP", interlocks.emergency_stop.is_some()),
+            ("DOOR", interlocks.door.is_some()),
+            ("LIMITS", interlocks.limits.is_some()),
+        ];
+        let named = bits.iter().filter(|(_, is_named)| *is_named);
+        let named: Vec<String> = named
+            .map(|(name, _)| format!("{service}::input_bits::{name}"))
+            .collect();
+        let inputs = match named.is_empty() {
+            true => "0".into(),
+            false => named.join(" | "),
+        };
+        file.constant("INPUTS", "u8", inputs);
+        let probe = match interlocks.probe {
+            Some(_) => format!("{service}::ProbeLatch<Scalar>"),
+            None => "()".into(),
+        };
+        file.line(&format!("pub type Probe = {probe};"));
+        // A contact to ground of an input that is pulled up: high while it is open.
+        for (name, normally) in [
+            ("DOOR_OPEN_HIGH", scene.inputs.door_normally),
+            ("PROBE_TOUCHES_HIGH", scene.inputs.probe_normally),
+            ("LIMITS_HIGH", scene.inputs.limits_normally),
+        ] {
+            let is_high = normally == NormalContact::Closed;
+            file.constant(name, "bool", is_high.to_string());
+        }
     }
 
     if let Some(feedback) = &scene.feedback {
@@ -317,9 +340,21 @@ mod tests {
         for line in [
             "emergency_stop: Some(trirrr_service::EmergencyStop { debounce_ticks: 3, category: trirrr_service::StopCategory::StopThenOff, })",
             "door: Some(trirrr_service::Door { debounce_ticks: 10, })",
-            "pub const HAS_STOP: bool = true;",
-            "pub const HAS_DOOR: bool = true;",
+            "pub const INPUTS: u8 = trirrr_service::input_bits::STOP | trirrr_service::input_bits::DOOR;",
+            "pub type Probe = ();",
             "pub const DOOR_OPEN_HIGH: bool = true;",
+        ] {
+            assert!(text.contains(line), "{line}");
+        }
+        let text = shipped("inputs/probing.toml");
+        for line in [
+            "probe: Some(trirrr_service::ProbeInput { debounce_ticks: 2, })",
+            "limits: Some(trirrr_service::LimitInputs { debounce_ticks: 2, })",
+            "trirrr_service::input_bits::STOP | trirrr_service::input_bits::DOOR | trirrr_service::input_bits::LIMITS;",
+            "pub type Probe = trirrr_service::ProbeLatch<Scalar>;",
+            "pub const PROBE_TOUCHES_HIGH: bool = false;",
+            "pub const LIMITS_HIGH: bool = true;",
+            "limit_switch: trirrr_service::StopCategory::StopAndHold",
         ] {
             assert!(text.contains(line), "{line}");
         }

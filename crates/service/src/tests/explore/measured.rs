@@ -193,7 +193,11 @@ impl<const FEELS: bool> Explored for DrivenMachine<FEELS> {
             World::Silent(silent) => defects.silent = silent,
             World::Errs(errs) => defects.errs = errs,
             World::Pushes(pushes) => defects.pushes = pushes,
-            World::Switches(_) | World::Presses(_) | World::Opens(_) => {}
+            World::Switches(_)
+            | World::Presses(_)
+            | World::Opens(_)
+            | World::Touches(_)
+            | World::Limits(_) => {}
         }
     }
 

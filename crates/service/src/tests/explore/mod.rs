@@ -1,14 +1,16 @@
 //! All states of the service that a model of its commands reaches: every command is survivable, and from each state a way leads out.
 //!
 //! The search is breadth first. Each state is reached anew by the shortest list of acts that leads to it, on a service of its own, and every act is
-//! tried from there. States that a host and the outputs cannot tell apart are one. Five machines are explored: one without anything more, one that has
-//! to be homed, one that plays power lists, one whose drives tell where they are and feel contacts, and one with an emergency stop and a door.
+//! tried from there. States that a host and the outputs cannot tell apart are one. Six machines are explored: one without anything more, one that has
+//! to be homed, one that plays power lists, one whose drives tell where they are and feel contacts, one with an emergency stop and a door, and one
+//! with a probe and limit switches.
 
 mod guarded;
 mod homed;
 mod listed;
 mod measured;
 mod plain;
+mod touching;
 
 use super::*;
 use crate::settings::{PowerTimes, Reactions};
@@ -44,6 +46,10 @@ enum Ask {
     Enable,
     Disable,
     Start,
+    /// A run with the probe; away from what it touches.
+    Probe {
+        away: bool,
+    },
     Hold,
     Resume,
     Stop,
@@ -81,6 +87,10 @@ enum World {
     Presses(bool),
     /// The door is opened, or closed.
     Opens(bool),
+    /// The probe touches, or nothing.
+    Touches(bool),
+    /// The second motor is on its limit switch, or off it.
+    Limits(bool),
 }
 
 /// Working of the switches of homing.
@@ -153,6 +163,7 @@ trait Explored: Sized {
             Ask::Enable => Command::Enable,
             Ask::Disable => Command::Disable,
             Ask::Start => Command::Start,
+            Ask::Probe { away } => Command::Probe { away },
             Ask::Hold => Command::Hold,
             Ask::Resume => Command::Resume,
             Ask::Stop => Command::Stop,
