@@ -470,6 +470,14 @@ Board = Struct(
     start=Start,
 )
 
+Firmware = Struct(
+    "Firmware",
+    version=array(BYTE, 16),
+    commit=array(BYTE, 16),
+    board=array(BYTE, 32),
+    chip=array(BYTE, 16),
+)
+
 Identity = Struct(
     "Identity",
     protocol=U16,
@@ -489,6 +497,7 @@ Identity = Struct(
     reference=AngleReference,
     board=Board,
     levels=U16,
+    firmware=Firmware,
 )
 
 Verdict = Struct(

@@ -33,7 +33,7 @@ mod tool;
 #[cfg(target_os = "none")]
 #[rtic::app(device = crate::board::device, peripherals = true)]
 mod app {
-    use super::board::{LinePort, LogPort, Pins};
+    use super::board::{FIRMWARE, LinePort, LogPort, Pins};
     use super::clock::{self, FAST, SLOW};
     use super::dividers::set_bauds;
     #[cfg(brake)]
@@ -134,7 +134,7 @@ mod app {
             clock,
             start,
         };
-        let (foreground, background) = trirrr_app::build(channels, board);
+        let (foreground, background) = trirrr_app::build(channels, board, &FIRMWARE);
         let parts = drives::DriveParts {
             pins: pins.drives,
             tim1: device.TIM1,
