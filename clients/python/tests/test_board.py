@@ -60,6 +60,7 @@ class Boards(unittest.TestCase):
     def test_a_machine_is_enabled_moved_and_plays_a_job(self) -> None:
         with Device("thesis.toml") as address, Board.connect(address) as board:
             self.assertEqual((board.name, board.status().state), ("thesis", "Disabled"))
+            self.assertTrue(board.firmware.endswith(", simulator"), board.firmware)
             self.assertEqual(board.enable().state, "Idle")
             start = board.status().end
             assert start is not None

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from trirrr import cobs, frames, messages, postcard
 from trirrr.messages import (
-    Acting, Board, Bounded, Clock, Command, Event, Hello, Identity, Message, Move, MoveBatch,
+    Acting, Board, Bounded, Clock, Command, Event, Firmware, Hello, Identity, Message, Move, MoveBatch,
     MoveStep, NUMBERS, JobLabel, Pose, QuinticMove, AngleReference, Refusal, Reply,
     LeastDuration, LevelPiece, LevelRange, ListedMove, Request, Setpoint, Start, State, Telemetry, ToolSetting, Verdict, Violation,
 )
@@ -113,6 +113,12 @@ EXAMPLES = {
         reference=AngleReference.Homed(),
         board=Board(timer_hz=168_000_000, clock=Clock.Crystal(), start=Start.Power()),
         levels=4096,
+        firmware=Firmware(
+            version=tuple(b"0.2.0".ljust(16, b"\0")),
+            commit=tuple(b"13154213b7-dirty"),
+            board=tuple(b"generic-f405".ljust(32, b"\0")),
+            chip=tuple(b"stm32f405rg".ljust(16, b"\0")),
+        ),
     )))),
     "status": (F32, Request, Request(301, Command.Status())),
     "move": (F32, Request, move(single)),

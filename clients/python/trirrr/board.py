@@ -120,6 +120,11 @@ class Board:
         return bytes(self._exchange.identity.name).rstrip(b"\0").decode("ascii", "replace")
 
     @property
+    def firmware(self) -> str:
+        """Build of the machine's program: version, commit, board and chip."""
+        return words.firmware(self._exchange.identity.firmware)
+
+    @property
     def tick_rate_hz(self) -> float:
         """Ticks per second."""
         return float(self._exchange.identity.tick_rate_hz)

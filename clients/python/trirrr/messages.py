@@ -481,6 +481,14 @@ Board = Struct(
     start=Start,
 )
 
+Firmware = Struct(
+    "Firmware",
+    version=array(BYTE, 16),
+    commit=array(BYTE, 16),
+    board=array(BYTE, 32),
+    chip=array(BYTE, 16),
+)
+
 Identity = Struct(
     "Identity",
     protocol=U16,
@@ -500,6 +508,7 @@ Identity = Struct(
     reference=AngleReference,
     board=Board,
     levels=U16,
+    firmware=Firmware,
 )
 
 Verdict = Struct(

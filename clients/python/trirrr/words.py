@@ -157,6 +157,20 @@ def fault(found: Any, identity: Any) -> str:
     return f"{text} (tick {found.tick})"
 
 
+def firmware(build: Any) -> str:
+    """Build of a program: version, commit, board and chip."""
+    version, commit, board, chip = (
+        bytes(text).rstrip(b"\0").decode("ascii", "replace") for text in (build.version, build.commit, build.board, build.chip)
+    )
+    # A simulator has no chip.
+    if not chip:
+        return f"{version}, {board}"
+    if commit.endswith("-dirty"):
+        commit = f"{commit.removesuffix('-dirty')} with changes"
+    source = f"commit {commit}" if commit else "built without git"
+    return f"{version}, {source}, board {board}, chip {chip}"
+
+
 def not_enabled(found: Any) -> str:
     """Why the drives were not switched on."""
     fields = dict(found.content or {})

@@ -225,7 +225,9 @@ fn answers<N: Transmit>(command: &Command<N>, reply: &Reply<N>) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trirrr_protocol::message::{AngleReference, Board, Identity, NAME_CAPACITY, PROTOCOL};
+    use trirrr_protocol::message::{
+        AngleReference, Board, Firmware, Identity, NAME_CAPACITY, PROTOCOL,
+    };
 
     const ANSWER: Duration = Duration::from_millis(200);
 
@@ -261,6 +263,7 @@ mod tests {
             next_sequence: 40,
             reference: AngleReference::Declared,
             board: Board::HOST,
+            firmware: Firmware::SIMULATOR,
             levels: 0,
         };
         let (request, _) = exchange.receive(&reply(7, Reply::Hello(identity))).unwrap();

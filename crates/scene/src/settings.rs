@@ -6,7 +6,7 @@ use crate::scene::Scene;
 use trirrr_core::number::Number;
 use trirrr_core::units::Units;
 use trirrr_plan::window::WindowSettings;
-use trirrr_protocol::message::{AngleReference, Board, Message, Request, Transmit};
+use trirrr_protocol::message::{AngleReference, Board, Firmware, Message, Request, Transmit};
 use trirrr_protocol::wire::schema;
 use trirrr_service::{Contact, Planning, SceneIdentity, Settings, name};
 
@@ -73,5 +73,6 @@ pub fn settings<N: Transmit>(scene: &Scene, units: &Units) -> Settings<N> {
             reference: reference(scene),
         },
         board: Board::HOST,
+        firmware: &Firmware::SIMULATOR,
     }
 }

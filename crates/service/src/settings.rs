@@ -6,8 +6,8 @@ use trirrr_core::number::Number;
 use trirrr_core::to_source;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{
-    AngleReference, Board, FaultCode, Identity, Message, NAME_CAPACITY, PROTOCOL, Request,
-    Transmit, WINDOW,
+    AngleReference, Board, FaultCode, Firmware, Identity, Message, NAME_CAPACITY, PROTOCOL,
+    Request, Transmit, WINDOW,
 };
 use trirrr_protocol::wire::schema;
 
@@ -32,6 +32,8 @@ pub struct Settings<N: Number> {
     pub scene: SceneIdentity,
     /// Description of the board that carries the service.
     pub board: Board,
+    /// Build of the program that the service is in.
+    pub firmware: &'static Firmware,
 }
 
 /// Times of switching drives on and off, in ticks.
@@ -223,6 +225,7 @@ impl<N: Transmit> Settings<N> {
                 reference: AngleReference::Declared,
             },
             board: Board::HOST,
+            firmware: &Firmware::SIMULATOR,
         }
     }
 }
@@ -253,6 +256,7 @@ impl<N: Number> Settings<N> {
             reference: scene.reference,
             board: self.board,
             levels,
+            firmware: *self.firmware,
         }
     }
 }

@@ -15,7 +15,7 @@ use crate::scene::{Curves, Model, NAME, Planner, SETTINGS, START, Scalar, TICK_R
 use crate::scene::{INPUTS, INTERLOCKS, Probe};
 #[cfg(adjustable)]
 use crate::scene::{LIMITS, PARAMETERS};
-use trirrr_protocol::message::{self, Board, Clock, Start};
+use trirrr_protocol::message::{self, Board, Clock, Firmware, Start};
 #[cfg(adjustable)]
 use trirrr_service::Adjustable;
 #[cfg(not(adjustable))]
@@ -119,7 +119,11 @@ pub type Output = trirrr_service::Output<Scalar>;
 /// Builds both halves of the scene's service. The machine stands at the start of its job.
 // A call: inlined, the board's crate would compile it for speed.
 #[inline(never)]
-pub fn build(channels: &'static mut Channels, board: Board) -> (SceneForeground, SceneBackground) {
+pub fn build(
+    channels: &'static mut Channels,
+    board: Board,
+    firmware: &'static Firmware,
+) -> (SceneForeground, SceneBackground) {
     #[cfg(not(adjustable))]
     let scene = Compiled {
         coefficients: &COEFFICIENTS,
@@ -158,7 +162,12 @@ pub fn build(channels: &'static mut Channels, board: Board) -> (SceneForeground,
     };
     // The reader of the scene refuses a start out of reach. The error is not formatted: that would bring
     // floats as text into the image.
-    let Ok(halves) = channels.split(scene, START, Settings { board, ..SETTINGS }) else {
+    let settings = Settings {
+        board,
+        firmware,
+        ..SETTINGS
+    };
+    let Ok(halves) = channels.split(scene, START, settings) else {
         panic!("the start is out of reach");
     };
     halves

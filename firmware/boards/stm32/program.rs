@@ -11,7 +11,7 @@
 
 #[rtic::app(device = crate::board::device, peripherals = true)]
 mod app {
-    use crate::board::Pins;
+    use crate::board::{FIRMWARE, Pins};
     use crate::clock::{FAST, SLOW};
     #[cfg(brake)]
     use crate::drives::Drives;
@@ -96,7 +96,7 @@ mod app {
             clock,
             start: chip.start,
         };
-        let (foreground, background) = trirrr_app::build(channels, board);
+        let (foreground, background) = trirrr_app::build(channels, board, &FIRMWARE);
         let parts = drives::DriveParts {
             pins: pins.drives,
             peripherals: chip.drives,

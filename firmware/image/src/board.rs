@@ -5,6 +5,7 @@
 
 mod chip;
 mod clock;
+mod commit;
 mod file;
 mod needs;
 mod role;
@@ -29,7 +30,7 @@ const FILES: &str = "firmware/boards/files";
 /// Variable of the environment that names the board.
 const VARIABLE: &str = "BOARD";
 
-/// Writes `OUT_DIR/board.rs` for the package `package`, and tells Cargo about the file and the variable that this depends on.
+/// Writes `OUT_DIR/board.rs` for the package `package`, with the pins and the build that the identity tells, and tells Cargo about the file and the variable that this depends on.
 ///
 /// `BOARD` names the board: a shipped file, or a path relative to `root`. Without it the `board` of the scene counts, and without
 /// that the default of the package.
@@ -52,9 +53,20 @@ pub fn build_script(package: &str, root: &Path) -> Result<(), Box<dyn Error>> {
         Some((family, &needs)),
     )?;
     let out = env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: not a build script")?;
-    let text = source::source(&board, &needs);
+    let text = source::source(&board, &needs) + &firmware(&file, &board, root);
     fs::write(PathBuf::from(out).join("board.rs"), text)?;
     Ok(())
+}
+
+/// Build of the image as source: version of the package, commit, and the board of `file`.
+fn firmware(file: &Path, board: &BoardFile, root: &Path) -> String {
+    let name = file.file_stem().unwrap_or_default().to_string_lossy();
+    let firmware = "trirrr_protocol::message::Firmware";
+    format!(
+        "pub(crate) static FIRMWARE: {firmware} = {firmware}::new(env!(\"CARGO_PKG_VERSION\"), {:?}, {name:?}, {:?});\n",
+        commit::commit(root),
+        board.chip.name,
+    )
 }
 
 /// The file of the board that `variable`, the scene or the family names.

@@ -86,6 +86,8 @@ fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
     line("board", &format!("{board} ({})", summary.address))?;
     if let Some(identity) = summary.board {
         let board = &identity.board;
+        let firmware = describe::board::firmware(&identity.firmware);
+        line("firmware", &firmware)?;
         if let Some(text) = describe::board::clock(board.clock) {
             line("warning", text)?;
         }

@@ -120,7 +120,8 @@ impl WatchView {
         self.machine = Some((number, Units::of(identity)));
         let rate = identity.tick_rate_hz;
         self.note(&format!(
-            "a client said hello: scene {name} in {number}, {rate} ticks per second"
+            "a client said hello: scene {name} in {number}, {rate} ticks per second; firmware {}",
+            describe::board::firmware(&identity.firmware)
         ));
     }
 

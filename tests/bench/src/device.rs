@@ -6,7 +6,7 @@ use trirrr_core::machine::example;
 use trirrr_core::model::Dynamic;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{
-    AngleReference, Board, Command, Hello, Message, PROTOCOL, Reply, Request, Telemetry,
+    AngleReference, Board, Command, Firmware, Hello, Message, PROTOCOL, Reply, Request, Telemetry,
 };
 use trirrr_protocol::wire::schema::{key, longest};
 use trirrr_protocol::wire::{Counters, Decoder, checksum, decoded_length, encode, frame_length};
@@ -125,6 +125,7 @@ impl<'q, N: ServiceNumber> Device<'q, N> {
                 reference: AngleReference::Declared,
             },
             board: Board::HOST,
+            firmware: &Firmware::SIMULATOR,
         };
         let scene = WithLevels {
             scene: Adjustable::new(example(), limits),

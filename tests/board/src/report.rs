@@ -51,6 +51,10 @@ fn ask<N: ServiceNumber>(
 
 fn print<N: ServiceNumber>(identity: &Identity, status: &Status<N>) {
     let units = Units::of(identity);
+    println!(
+        "firmware: {}",
+        describe::board::firmware(&identity.firmware)
+    );
     println!("clock: {:?}", identity.board.clock);
     println!("start: {}", describe::board::start(&identity.board.start));
     println!("state: {}", describe::state(status.state, status.acting));

@@ -8,10 +8,10 @@ use std::fmt::Debug;
 use std::fmt::Write;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{
-    Acting, AngleReference, AnyMove, Board, Bounded, Clock, Command, Event, Hello, Identity,
-    JobLabel, LeastDuration, LevelPiece, LevelRange, ListedMove, Message, Move, MoveBatch,
-    NAME_CAPACITY, PROTOCOL, QuinticMove, Refusal, Reply, Request, Start, State, Telemetry,
-    TelemetryFields, Transmit, Verdict, Violation,
+    Acting, AngleReference, AnyMove, Board, Bounded, Clock, Command, Event, Firmware, Hello,
+    Identity, JobLabel, LeastDuration, LevelPiece, LevelRange, ListedMove, Message, Move,
+    MoveBatch, NAME_CAPACITY, PROTOCOL, QuinticMove, Refusal, Reply, Request, Start, State,
+    Telemetry, TelemetryFields, Transmit, Verdict, Violation,
 };
 use trirrr_protocol::wire::schema::key;
 use trirrr_protocol::wire::{Decoder, encode};
@@ -194,6 +194,7 @@ fn identity() -> Message<f32> {
                 start: Start::Power,
             },
             levels: 4096,
+            firmware: Firmware::new("0.2.0", "13154213b7-dirty", "generic-f405", "stm32f405rg"),
         }),
     }
 }

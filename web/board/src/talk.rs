@@ -244,8 +244,10 @@ impl<N: Transmit> BoardTalk<N> {
             self.closed = Some(text);
         } else if self.identity.is_none() {
             self.notes.push(format!(
-                "connected: scene {board} in {}, {} ticks per second",
-                self.number, identity.tick_rate_hz
+                "connected: scene {board} in {}, {} ticks per second; firmware {}",
+                self.number,
+                identity.tick_rate_hz,
+                describe::board::firmware(&identity.firmware)
             ));
             let start = &identity.board.start;
             if start.is_failure() {

@@ -22,6 +22,7 @@ impl<N: ServiceNumber> Worker<'_, N> {
                 "host_timeout_s": f64::from(identity.silence_ticks) / identity.tick_rate_hz,
                 "clock": board::clock(identity.board.clock),
                 "motors": board::reference(identity.reference),
+                "firmware": board::firmware(&identity.firmware),
             })
         });
         json!({

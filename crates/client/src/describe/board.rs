@@ -1,6 +1,6 @@
 //! Words for what a board reports of itself.
 
-use trirrr_protocol::message::{AngleReference, Clock, Registers, Start};
+use trirrr_protocol::message::{AngleReference, Clock, Firmware, Registers, Start};
 use trirrr_scene::visible;
 
 /// Describes a clock that is not as it should be.
@@ -29,6 +29,27 @@ pub fn reference(reference: AngleReference) -> Option<&'static str> {
         ),
         AngleReference::Declared | AngleReference::Homed | AngleReference::Measured => None,
     }
+}
+
+/// Describes the build of the program: version, commit, board and chip.
+pub fn firmware(firmware: &Firmware) -> String {
+    let version = name(&firmware.version);
+    let board = name(&firmware.board);
+    // A simulator has no chip.
+    if firmware.chip == Firmware::SIMULATOR.chip {
+        return format!("{version}, {board}");
+    }
+    let commit = match name(&firmware.commit) {
+        commit if commit.is_empty() => "built without git".into(),
+        commit => match commit.strip_suffix("-dirty") {
+            Some(clean) => format!("commit {clean} with changes"),
+            None => format!("commit {commit}"),
+        },
+    };
+    format!(
+        "{version}, {commit}, board {board}, chip {}",
+        name(&firmware.chip)
+    )
 }
 
 /// Describes the cause of the last start of the board.
@@ -105,6 +126,23 @@ mod tests {
         let file = [0x9b; NAME_CAPACITY];
         let said = start(&Start::Panic { file, line: 1 });
         assert!(!said.contains(char::is_control), "{said:?}");
+    }
+
+    #[test]
+    fn a_build_names_its_commit_and_its_board() {
+        let of = |commit| Firmware::new("0.2.0", commit, "feather-f405", "stm32f405rg");
+        for (commit, text) in [
+            ("13154213b7", "commit 13154213b7"),
+            ("13154213b7-dirty", "commit 13154213b7 with changes"),
+            ("", "built without git"),
+        ] {
+            assert_eq!(
+                firmware(&of(commit)),
+                format!("0.2.0, {text}, board feather-f405, chip stm32f405rg")
+            );
+        }
+        let simulator = firmware(&Firmware::SIMULATOR);
+        assert!(simulator.ends_with(", simulator"), "{simulator}");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Self-description of a board: its timer, its clock, and the reason of its start.
+//! Self-description of a board: its timer, its clock, the reason of its start, and the build of its program.
 
 use super::report::NAME_CAPACITY;
 use postcard_schema::Schema;
@@ -15,6 +15,23 @@ pub struct Board {
     /// Reason of its last start.
     pub start: Start,
 }
+
+/// Build of the program that a machine runs. Texts are ASCII, cut where they are longer, with zeros behind them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+pub struct Firmware {
+    /// Version of the program.
+    pub version: [u8; SHORT_TEXT],
+    /// Commit of its source, ten hexadecimal digits; `-dirty` behind them if files were changed since. Empty where the program was
+    /// built without git.
+    pub commit: [u8; SHORT_TEXT],
+    /// Name of the board file, or `simulator`.
+    pub board: [u8; NAME_CAPACITY],
+    /// Chip of that board; empty for a simulator.
+    pub chip: [u8; SHORT_TEXT],
+}
+
+/// Bytes of a version, a commit, and the name of a chip.
+const SHORT_TEXT: usize = 16;
 
 /// The way in which a machine knows where its motors are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
@@ -94,6 +111,32 @@ impl Start {
     pub fn is_failure(&self) -> bool {
         !matches!(self, Self::Power | Self::Reset)
     }
+}
+
+impl Firmware {
+    /// Program without a board: the simulator, of the version of this crate.
+    pub const SIMULATOR: Self = Self::new(env!("CARGO_PKG_VERSION"), "", "simulator", "");
+
+    /// Build of these texts.
+    pub const fn new(version: &str, commit: &str, board: &str, chip: &str) -> Self {
+        Self {
+            version: padded(version),
+            commit: padded(commit),
+            board: padded(board),
+            chip: padded(chip),
+        }
+    }
+}
+
+/// `text`, cut where it is longer, zeros behind it.
+const fn padded<const BYTES: usize>(text: &str) -> [u8; BYTES] {
+    let mut bytes = [0; BYTES];
+    let mut index = 0;
+    while index < BYTES && index < text.len() {
+        bytes[index] = text.as_bytes()[index];
+        index += 1;
+    }
+    bytes
 }
 
 impl Board {

@@ -31,7 +31,7 @@ mod telemetry;
 mod tests;
 mod violation;
 
-pub use board::{AngleReference, Board, Clock, Registers, Start};
+pub use board::{AngleReference, Board, Clock, Firmware, Registers, Start};
 pub use command::{
     AllMoves, Command, Goal, Hello, JobLabel, ListedContent, MoveContents, OfferedMoves,
     QuinticContent, Recovery, Request,

@@ -1,7 +1,7 @@
 //! Messages that a machine sends.
 
 use super::Transmit;
-use super::board::{AngleReference, Board};
+use super::board::{AngleReference, Board, Firmware};
 use super::command::JobLabel;
 use super::drive::{DriveSample, NotEnabled};
 use super::inputs::InputStates;
@@ -129,6 +129,8 @@ pub struct Identity {
     pub board: Board,
     /// Levels of power for which it has room; 0 where it plays no power lists.
     pub levels: u16,
+    /// Build of the program that it runs.
+    pub firmware: Firmware,
 }
 
 /// Status of the machine and its job.

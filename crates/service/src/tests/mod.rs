@@ -31,8 +31,8 @@ use trirrr_core::model::Dynamic;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::{
-    AngleReference, Board, Command, DriveSample, Event, Hello, Identity, Message, Move, PROTOCOL,
-    Refusal, Reply, Request, State, Status, Telemetry,
+    AngleReference, Board, Command, DriveSample, Event, Firmware, Hello, Identity, Message, Move,
+    PROTOCOL, Refusal, Reply, Request, State, Status, Telemetry,
 };
 use trirrr_protocol::wire::{Decoder, encode};
 
@@ -109,6 +109,7 @@ fn settings_in<N: Enclose>(units: Units) -> Settings<N> {
             reference: AngleReference::Declared,
         },
         board: Board::HOST,
+        firmware: &Firmware::SIMULATOR,
     }
 }
 

@@ -31,7 +31,7 @@ mod tool;
 #[rtic::app(device = crate::board::device, peripherals = true)]
 mod app {
     use super::board::{
-        CRYSTAL_MHZ, LinePort, LineReceive, LineTransmit, LogPort, LogTransmit, Pins,
+        CRYSTAL_MHZ, FIRMWARE, LinePort, LineReceive, LineTransmit, LogPort, LogTransmit, Pins,
     };
     use super::clock::{self, CORE_HZ};
     #[cfg(brake)]
@@ -158,7 +158,7 @@ mod app {
             clock: Clock::Crystal,
             start,
         };
-        let (foreground, background) = trirrr_app::build(channels, board);
+        let (foreground, background) = trirrr_app::build(channels, board, &FIRMWARE);
         let parts = drives::DriveParts {
             pins: pins.drives,
             slots: pins.slots,

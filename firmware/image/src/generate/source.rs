@@ -264,11 +264,13 @@ fn settings<N: ServiceNumber>(settings: &Settings<N>) -> String {
         planning,
         scene,
         board: _,
+        firmware: _,
     } = settings;
     format!(
         "trirrr_service::Settings {{ period: {}, ramp: {}, \
          host_timeout_ticks: {host_timeout_ticks}, telemetry_every: {telemetry_every}, \
-         power: {}, reactions: {}, planning: {}, scene: {}, board: trirrr_protocol::message::Board::HOST }}",
+         power: {}, reactions: {}, planning: {}, scene: {}, board: trirrr_protocol::message::Board::HOST, \
+         firmware: &trirrr_protocol::message::Firmware::SIMULATOR }}",
         constant(period),
         constant(ramp),
         constant(power),
