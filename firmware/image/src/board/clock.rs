@@ -28,8 +28,8 @@ pub(super) struct ClockSettings {
 pub(super) const STM32F405_CLOCK: ClockSettings = ClockSettings {
     core_hz: 168_000_000,
     slot_timer_hz: 84_000_000,
-    // A third of the least time between two slots.
-    slot_cycles: 134,
+    // Of the slot that takes new positions, with two cycles for an instruction: `cargo xtask bench` finds edges as late as that.
+    slot_cycles: 420,
     crystal_hz: (4_000_000, 26_000_000),
     input_hz: (1_000_000, 2_000_000),
     oscillator_hz: 336_000_000,
@@ -44,7 +44,7 @@ pub(super) const STM32G474_CLOCK: ClockSettings = ClockSettings {
     core_hz: 170_000_000,
     slot_timer_hz: 170_000_000,
     // As long as those of the STM32F405, which has the same core.
-    slot_cycles: 134,
+    slot_cycles: 420,
     crystal_hz: (4_000_000, 48_000_000),
     input_hz: (2_660_000, 16_000_000),
     oscillator_hz: 340_000_000,
