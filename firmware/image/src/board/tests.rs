@@ -264,10 +264,10 @@ fn times_of_a_driver_fit_between_two_slots() {
             "{text}"
         );
     }
-    // 30.8 us are 32.4 slots in a tick: 15 steps, and a slot more.
+    // 32.5 us are 30.8 slots in a tick: 14 steps, and a slot more.
     let text = refusal(changed("hold_us = 1\n", "hold_us = 30\n", &stepping));
     assert!(
-        text.contains("step_rate_limit_hz of 15000 leaves time"),
+        text.contains("step_rate_limit_hz of 14000 leaves time"),
         "{text}"
     );
     let text = refusal(changed("hold_us = 1\n", "hold_us = 9000\n", &stepping));
