@@ -115,7 +115,7 @@ impl<N: Countable> StepMotor<N> {
         whole(self.place)
     }
 
-    /// Position in units of [`MICROSTEP`], modulo 2^24 microsteps.
+    /// Position in units of [`MICROSTEP`](super::MICROSTEP), modulo 2^24 microsteps.
     #[inline(always)]
     pub fn place(&self) -> i32 {
         (self.place >> (32 - FRACTION_BITS)) as i32
