@@ -1,9 +1,15 @@
 //! Takes the kinds of the scene over from `trirrr-app`, writes the pins of the board, and tells the linker about its memory.
 
-use std::env;
 use std::error::Error;
 use std::path::Path;
-use std::process;
+use std::{env, fs, process};
+
+/// Flash of an image in the whole of it, and of one in the slot of the program of `trirrr_boot::Layout::STM32F405`.
+const WHOLE: &str = "ORIGIN = 0x08000000, LENGTH = 1024K";
+const IN_SLOT: &str = "ORIGIN = 0x08020000, LENGTH = 256K";
+
+/// Package whose board has a boot loader.
+const UPDATED: &str = "trirrr-stm32f405";
 
 /// Boards: package, Rust target, and linker script.
 const BOARDS: [(&str, &str, &str); 2] = [
@@ -29,7 +35,15 @@ fn build() -> Result<(), Box<dyn Error>> {
         println!("cargo:rustc-check-cfg=cfg({name}, values({kinds}))");
         println!("cargo:rustc-cfg={name}={:?}", env::var(of_app)?);
     }
-    for name in ["homing", "brake", "feedback", "interlocks", "estop", "door"] {
+    for name in [
+        "homing",
+        "brake",
+        "feedback",
+        "interlocks",
+        "estop",
+        "door",
+        "update",
+    ] {
         println!("cargo:rustc-check-cfg=cfg({name})");
         if env::var_os(format!("DEP_TRIRRR_APP_{}", name.to_uppercase())).is_some() {
             println!("cargo:rustc-cfg={name}");
@@ -49,6 +63,13 @@ fn link() -> Result<(), Box<dyn Error>> {
         .iter()
         .find(|(of, on, _)| *of == package && *on == target)
         .ok_or_else(|| format!("{package} is for another board than {target}"))?;
+    let is_updated = env::var_os("DEP_TRIRRR_APP_UPDATE").is_some();
+    if is_updated && package != UPDATED {
+        return Err(format!(
+            "update = true in [service]: {package} has no boot loader; boards with an STM32F405 have one"
+        )
+        .into());
+    }
     let here = env::var("CARGO_MANIFEST_DIR")?;
     let own = Path::new(&here).join(script);
     let script = match own.exists() {
@@ -58,6 +79,14 @@ fn link() -> Result<(), Box<dyn Error>> {
         }
         false => {
             println!("cargo:rerun-if-changed={here}/../../../memory.x");
+            // `memory.x` includes it.
+            let out = env::var("OUT_DIR")?;
+            let flash = if is_updated { IN_SLOT } else { WHOLE };
+            fs::write(
+                Path::new(&out).join("program.x"),
+                format!("MEMORY {{ FLASH : {flash} }}\n"),
+            )?;
+            println!("cargo:rustc-link-search={out}");
             (*script).to_owned()
         }
     };

@@ -3,6 +3,7 @@
 //!
 //! The bench is a workspace of its own, for it needs a C library: Unicorn, which takes cmake and libclang to build.
 
+use crate::boot;
 use crate::image::Image;
 use crate::repository::{self, SceneFile, cargo, target_directory};
 use anyhow::{Context, Result, ensure};
@@ -12,8 +13,14 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use trirrr_scene::{DriveKind, Scene};
 
-/// Scenes without names: a laser on steppers with an emergency stop, a longer job, drives with encoders, and no drives at all.
+/// Scenes without names, before [`UPDATED`]: a laser on steppers with an emergency stop, a longer job, drives with encoders, and no drives at all.
 const SCENES: [&str; 4] = ["inputs/guarded", "engraving", "bldc-massless", "thesis"];
+
+/// An image that is replaced over the line, and the one that takes its place.
+const UPDATED: [&str; 2] = [
+    "tests/mcu-bench/scenes/updated.toml",
+    "tests/mcu-bench/scenes/other.toml",
+];
 
 /// Number type of the images: the bench talks to them in it.
 const SCALAR: &str = "f32";
@@ -32,7 +39,11 @@ pub(crate) struct BenchArgs {
 
 pub(crate) fn run(arguments: &BenchArgs) -> Result<()> {
     let names = match arguments.scenes.as_slice() {
-        [] => SCENES.map(str::to_owned).to_vec(),
+        [] => {
+            let updated = repository::root().join(UPDATED[0]);
+            let scenes = SCENES.map(str::to_owned).into_iter();
+            scenes.chain([updated.display().to_string()]).collect()
+        }
         some => some.to_vec(),
     };
     let scenes = repository::scenes_named(&names)?;
@@ -76,6 +87,14 @@ fn check(arguments: &BenchArgs, bench: &Path, scene: &SceneFile) -> Result<()> {
                 .env("FAULT", "panic");
         })?;
         command.arg("--panicking").arg(panicking);
+    }
+    if Scene::read(&scene.path)?.service.update {
+        let other = repository::root().join(UPDATED[1]).display().to_string();
+        for other in repository::scenes_named(&[other])? {
+            command.arg("--other");
+            command.arg(Image::firmware(&other, SCALAR).build()?);
+        }
+        command.arg("--boot").arg(boot::build()?);
     }
     for case in &arguments.case {
         command.args(["--case", case]);

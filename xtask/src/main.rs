@@ -3,6 +3,7 @@
 mod admission;
 mod bench;
 mod boards;
+mod boot;
 mod budget;
 mod callgraph;
 mod ci;
@@ -58,6 +59,8 @@ enum Chore {
     Rp2040,
     /// Boot the firmware in QEMU, play jobs on it with every client, compare every sample
     Emulate(emulate::EmulateArgs),
+    /// Build the boot loader of the STM32F405, check that it can boot, print its size
+    Boot,
     /// Execute the firmware with a model of its registers, check pins and times of drives and tool
     Bench(bench::BenchArgs),
     /// Play jobs on trirrr device with the Python client, compare its tables
@@ -92,6 +95,7 @@ fn main() -> anyhow::Result<()> {
         Chore::Size(options) => size::run(&options),
         Chore::Rp2040 => rp2040::run(),
         Chore::Emulate(arguments) => emulate::run(&arguments),
+        Chore::Boot => boot::run(),
         Chore::Bench(arguments) => bench::run(&arguments),
         Chore::Client => client::run(),
         Chore::Senders => senders::run(),

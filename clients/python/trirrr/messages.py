@@ -219,6 +219,19 @@ Violation = Struct(
     shortest=Optional(LeastDuration),
 )
 
+UpdateRefusal = Enum(
+    "UpdateRefusal",
+    Board=None,
+    Chip=None,
+    Start={"expected": U32},
+    Length={"longest": U32},
+    NotBegun=None,
+    Block={"expected": U32},
+    Checksum={"found": U32},
+    Flash={"place": U32, "status": U32},
+    JournalFull=None,
+)
+
 Refusal = Enum(
     "Refusal",
     HelloFirst=None,
@@ -262,6 +275,8 @@ Refusal = Enum(
     LevelRange=None,
     EmergencyStop=None,
     DoorOpen=None,
+    NoUpdate=None,
+    Update=UpdateRefusal,
 )
 
 Hello = Struct(
@@ -393,6 +408,55 @@ TelemetryFields = Fields("TelemetryFields", U16)
 #: All of them.
 ALL_FIELDS = TelemetryFields.of(*TELEMETRY_FIELDS)
 
+Firmware = Struct(
+    "Firmware",
+    version=array(BYTE, 16),
+    commit=array(BYTE, 16),
+    board=array(BYTE, 32),
+    chip=array(BYTE, 16),
+)
+
+ImageHeader = Struct(
+    "ImageHeader",
+    start=U32,
+    length=U32,
+    checksum=U32,
+    firmware=Firmware,
+)
+
+ImageBlock = Struct(
+    "ImageBlock",
+    offset=U32,
+    count=BYTE,
+    bytes=array(array(BYTE, 32), 4),
+)
+
+UpdateStep = Enum(
+    "UpdateStep",
+    Begin=ImageHeader,
+    Block=ImageBlock,
+    Finish=None,
+    Restart=None,
+)
+
+UpdateOutcome = Enum(
+    "UpdateOutcome",
+    Never=None,
+    Requested=None,
+    OnTrial=None,
+    Confirmed=None,
+    Reverted=None,
+)
+
+UpdateStatus = Struct(
+    "UpdateStatus",
+    start=U32,
+    room=U32,
+    coming=Optional(U32),
+    received=U32,
+    outcome=UpdateOutcome,
+)
+
 Command = Enum(
     "Command",
     Hello=Hello,
@@ -419,6 +483,8 @@ Command = Enum(
     Job=JobLabel,
     Levels=LevelPiece,
     Listed=ListedMove,
+    UpdateStatus=None,
+    Update=UpdateStep,
 )
 
 Request = Struct(
@@ -468,14 +534,6 @@ Board = Struct(
     timer_hz=U32,
     clock=Clock,
     start=Start,
-)
-
-Firmware = Struct(
-    "Firmware",
-    version=array(BYTE, 16),
-    commit=array(BYTE, 16),
-    board=array(BYTE, 32),
-    chip=array(BYTE, 16),
 )
 
 Identity = Struct(
@@ -661,6 +719,7 @@ Reply = Enum(
     Section=Section,
     Status=Status,
     Kept={"missing": U32},
+    Update=UpdateStatus,
 )
 
 Message = Enum(

@@ -95,6 +95,7 @@ _REFUSED = {
     "Check": "the moves of the batch do not start where the last one ends: has the machine two clients?",
     "EmergencyStop": "the emergency stop is pressed, or its wire is broken: release it before the fault is acknowledged",
     "DoorOpen": "the door is open: nothing moves before it is closed",
+    "NoUpdate": "the machine's program cannot be replaced over the line",
     "Recovery": "the way there would break a limit",
 }
 

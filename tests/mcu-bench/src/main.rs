@@ -27,6 +27,12 @@ struct Arguments {
     /// Image of the scene that panics in its 50th tick
     #[arg(long)]
     panicking: Option<PathBuf>,
+    /// Boot loader, of an image that is replaced over the line
+    #[arg(long, requires = "other")]
+    boot: Option<PathBuf>,
+    /// Image of another scene that takes its place
+    #[arg(long, requires = "boot")]
+    other: Option<PathBuf>,
     /// Case to run; all without
     #[arg(long)]
     case: Vec<String>,
@@ -49,6 +55,10 @@ fn main() -> Result<()> {
         scene: Scene::read(&arguments.scene)?,
         image: arguments.image,
         panicking: arguments.panicking,
+        update: arguments
+            .boot
+            .zip(arguments.other)
+            .map(<[PathBuf; 2]>::from),
         dump: arguments.vcd,
     };
     let start = Instant::now();

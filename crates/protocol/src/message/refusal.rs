@@ -2,6 +2,7 @@
 
 use super::Transmit;
 use super::state::State;
+use super::update::UpdateRefusal;
 use super::violation::Violation;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -126,4 +127,8 @@ pub enum Refusal<N: Number> {
     EmergencyStop,
     /// The door is open: nothing moves before it is closed.
     DoorOpen,
+    /// The image holds no code to be replaced over the line.
+    NoUpdate,
+    /// A step of an update is not taken.
+    Update(UpdateRefusal),
 }

@@ -134,7 +134,7 @@ mod app {
             clock,
             start,
         };
-        let (foreground, background) = trirrr_app::build(channels, board, &FIRMWARE);
+        let (foreground, background) = trirrr_app::build(channels, board, FIRMWARE);
         let parts = drives::DriveParts {
             pins: pins.drives,
             tim1: device.TIM1,

@@ -4,6 +4,7 @@ mod amplifiers;
 mod failures;
 mod job;
 mod power_up;
+mod update;
 
 use crate::chip::{Crystal, ResetCause};
 use crate::cpu::Board;
@@ -11,7 +12,7 @@ use crate::host::Host;
 use crate::time::{MS, SECOND, Time};
 use crate::wiring::{self, Output};
 use anyhow::{Result, ensure};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use trirrr_scene::{DriveKind, Scene};
 
 /// Clock of the watchdog's oscillator, Hz: typical, and the ends of the data sheet.
@@ -37,6 +38,8 @@ pub(crate) struct Subject {
     pub(crate) image: PathBuf,
     /// The same with a panic in its 50th tick.
     pub(crate) panicking: Option<PathBuf>,
+    /// Boot loader, and an image of another scene for the same board, where images are replaced over the line.
+    pub(crate) update: Option<[PathBuf; 2]>,
     /// File for the edges of the case `job`.
     pub(crate) dump: Option<PathBuf>,
 }
@@ -47,6 +50,8 @@ pub(crate) enum Needs {
     Any,
     Steppers,
     Amplifiers,
+    /// None: the image is replaced over the line.
+    Update,
 }
 
 /// Case of the bench.
@@ -63,7 +68,7 @@ impl Case {
 }
 
 /// All cases.
-pub(crate) const CASES: [Case; 10] = [
+pub(crate) const CASES: [Case; 11] = [
     Case::of("power-up", Needs::Any, power_up::rest),
     Case::of("crystal", Needs::Any, power_up::crystal),
     Case::of("job", Needs::Steppers, job::run),
@@ -74,6 +79,7 @@ pub(crate) const CASES: [Case; 10] = [
     Case::of("cable", Needs::Steppers, failures::cable),
     Case::of("amplifiers", Needs::Amplifiers, amplifiers::blocked),
     Case::of("stop", Needs::Steppers, failures::stop),
+    Case::of("update", Needs::Update, update::run),
 ];
 
 impl Subject {
@@ -87,7 +93,9 @@ impl Subject {
         crystal: Crystal,
         oscillator_hz: u64,
     ) -> Result<Board> {
-        let mut board = Board::switch_on(image, crystal, oscillator_hz)?;
+        let boot = self.update.as_ref().map(|[boot, _]| boot.as_path());
+        let images: Vec<&Path> = boot.into_iter().chain([image.as_path()]).collect();
+        let mut board = Board::switch_on(&images, crystal, oscillator_hz)?;
         // Contacts to ground: released, and closed.
         for pin in [wiring::STOP, wiring::DOOR] {
             board.chip().drive(pin, Some(false));
@@ -110,6 +118,7 @@ impl Subject {
         let kind = self.scene.drives.as_ref().map(|[first, ..]| &first.kind);
         match needs {
             Needs::Any => true,
+            Needs::Update => self.update.is_some(),
             Needs::Steppers => matches!(kind, Some(DriveKind::Stepper(_))),
             Needs::Amplifiers => matches!(kind, Some(DriveKind::Bldc(_))),
         }

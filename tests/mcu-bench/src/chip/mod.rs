@@ -3,6 +3,7 @@
 //! Registers that the image touches and that are not here are an error of the bench, not memory: [`Chip::unknown`].
 
 mod clock;
+mod flash;
 mod interrupts;
 mod port;
 mod serial;
@@ -10,12 +11,14 @@ mod timer;
 mod watchdog;
 
 pub(crate) use clock::{ClockControl, Clocks, Crystal, ResetCause};
+pub(crate) use flash::FlashControl;
 pub(crate) use interrupts::{HARD_FAULT, Interrupts, SYS_TICK};
 pub(crate) use port::{Mode, Port};
 pub(crate) use serial::Serial;
 
 use crate::time::Time;
 use crate::trace::{Level, Pin, Trace};
+use flash::FlashEffect;
 use interrupts::Effect;
 use std::collections::{BTreeMap, BTreeSet};
 use timer::Timer;
@@ -52,11 +55,9 @@ const CHANNELS: [(Pin, u8, u8, u8); 4] = [
 ];
 
 /// Registers that hold what is written and do nothing that the bench shows: address and bytes.
-const HELD: [(u32, u32); 6] = [
+const HELD: [(u32, u32); 5] = [
     // RCC: resets and clocks of peripherals, and in standby.
     (0x4002_3810, 0x60),
-    // Flash: wait states and caches. The model of time has them in its mean.
-    (0x4002_3C00, 0x18),
     // PWR.
     (0x4000_7000, 8),
     // DBGMCU: what stands still under a debugger.
@@ -82,6 +83,9 @@ pub(crate) struct Chip {
     timers: Vec<Timer>,
     serials: [Serial; 2],
     pub(crate) watchdog: Watchdog,
+    pub(crate) flash: FlashControl,
+    /// Bytes that were erased, and not in the memory yet.
+    pub(crate) erased: Option<(u32, u32)>,
     held: BTreeMap<u32, u32>,
     /// Accesses to registers that are not modelled.
     pub(crate) unknown: BTreeSet<String>,
@@ -105,6 +109,8 @@ impl Chip {
             timers: TIMERS.iter().map(|timer| Timer::new(timer.4)).collect(),
             serials: [Serial::default(), Serial::default()],
             watchdog: Watchdog::new(oscillator_hz),
+            flash: FlashControl::new(),
+            erased: None,
             held: BTreeMap::new(),
             unknown: BTreeSet::new(),
             trace: Trace::default(),
@@ -129,6 +135,7 @@ impl Chip {
             serial.reset();
         }
         self.watchdog.reset();
+        self.flash.reset();
         self.held.clear();
         self.asks_for_reset = false;
         self.set_clocks();
@@ -290,6 +297,7 @@ impl Chip {
                 read
             }
             Place::Watchdog(offset) => self.watchdog.read(offset),
+            Place::Flash(offset) => self.flash.read(offset),
             // Revision of an STM32F405: an emulator has none, and the image asks.
             Place::Identity => Some(0x1001_6413),
             Place::Held => Some(self.held.get(&address).copied().unwrap_or(0)),
@@ -339,6 +347,14 @@ impl Chip {
             }
             Place::Serial(index, offset) => self.serials[index].write(offset, value, now, apb1),
             Place::Watchdog(offset) => self.watchdog.write(offset, value, now),
+            Place::Flash(offset) => match self.flash.write(offset, value) {
+                FlashEffect::Erased { start, bytes, time } => {
+                    self.erased = Some((start, bytes));
+                    self.now += time;
+                    true
+                }
+                effect => effect == FlashEffect::None,
+            },
             Place::Held => {
                 self.hold(address, value);
                 true
@@ -388,6 +404,9 @@ impl Chip {
         if let Some(offset) = within(0x4002_3800, 0x0C).or(within(0x4002_3874, 4).map(|_| 0x74)) {
             return Place::Clock(offset);
         }
+        if let Some(offset) = within(0x4002_3C00, 0x18) {
+            return Place::Flash(offset);
+        }
         if HELD
             .iter()
             .any(|(start, bytes)| within(*start, *bytes).is_some())
@@ -434,6 +453,7 @@ enum Place {
     Timer(usize, u32),
     Serial(usize, u32),
     Watchdog(u32),
+    Flash(u32),
     Identity,
     Held,
     Unknown,
