@@ -7,7 +7,8 @@ use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use cortex_m::peripheral::{SCB, SYST};
 use trirrr_boot::stm32f405::{ChipFlash, watchdog};
 use trirrr_boot::{
-    Flash, FlashError, Image, JournalError, Layout, ReceiveError, Receiver, Stage, confirm, stage,
+    Flash, FlashError, JournalError, Layout, ReceiveError, Receiver, Stage, WholeImage, confirm,
+    stage,
 };
 use trirrr_protocol::message::{
     Firmware, ImageHeader, UpdateOutcome, UpdateRefusal, UpdateStatus, UpdateStep,
@@ -107,7 +108,7 @@ impl NewImage {
             let expected = LAYOUT.program.start;
             return Err(UpdateRefusal::Start { expected });
         }
-        let image = Image {
+        let image = WholeImage {
             length: header.length,
             checksum: header.checksum,
         };

@@ -1,6 +1,6 @@
 //! Start of the board: what is left of an update, then the program.
 
-use crate::journal::{self, Image, JournalError, Stage, append};
+use crate::journal::{self, JournalError, Stage, WholeImage, append};
 use crate::{Flash, FlashError, Layout, Slot, checksum_behind};
 
 /// Program that the boot loader starts.
@@ -61,7 +61,7 @@ pub fn boot<F: Flash>(flash: &mut F, layout: &Layout) -> Result<Started, Journal
 }
 
 /// Returns true if the slot holds the image.
-fn is_whole<F: Flash>(flash: &F, slot: &Slot, image: Image) -> bool {
+fn is_whole<F: Flash>(flash: &F, slot: &Slot, image: WholeImage) -> bool {
     let mut left = image.length;
     let mut sum = 0;
     for address in slot.words(image.length) {

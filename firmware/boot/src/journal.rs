@@ -4,7 +4,7 @@ use crate::{Flash, FlashError, Layout, Slot, checksum_behind};
 
 /// An image by its length and its checksum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Image {
+pub struct WholeImage {
     /// Bytes.
     pub length: u32,
     /// CRC-32 of the bytes.
@@ -17,7 +17,7 @@ pub enum Stage {
     /// There was none, or nothing is known of it.
     None,
     /// The new image is whole; the boot loader installs it at the next start.
-    Requested(Image),
+    Requested(WholeImage),
     /// The program is saved in the slot of the old one.
     Saved,
     /// The new image is in place of the program, and was not started.
@@ -80,7 +80,7 @@ impl Stage {
             return None;
         }
         if kind == Self::REQUESTED {
-            return Some(Self::Requested(Image { length, checksum }));
+            return Some(Self::Requested(WholeImage { length, checksum }));
         }
         let known = Self::KINDS.into_iter().find(|(of, _)| *of == kind);
         known.map(|(_, stage)| stage)
@@ -163,7 +163,11 @@ pub(crate) fn make_room<F: Flash>(flash: &mut F, layout: &Layout) -> Result<(), 
 ///
 /// # Errors
 /// The journal is full, or the flash fails.
-pub fn request<F: Flash>(flash: &mut F, layout: &Layout, image: Image) -> Result<(), JournalError> {
+pub fn request<F: Flash>(
+    flash: &mut F,
+    layout: &Layout,
+    image: WholeImage,
+) -> Result<(), JournalError> {
     append(flash, layout, Stage::Requested(image))
 }
 

@@ -27,7 +27,7 @@ pub mod stm32f405;
 
 pub use boot::{Started, boot};
 pub use flash::{Flash, FlashError};
-pub use journal::{Image, JournalError, Stage, confirm, is_blank, request, stage};
+pub use journal::{JournalError, Stage, WholeImage, confirm, is_blank, request, stage};
 pub use layout::{Layout, Slot};
 pub use receive::{ReceiveError, Receiver};
 

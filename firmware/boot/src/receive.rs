@@ -1,6 +1,6 @@
 //! Image that comes over the line, block by block.
 
-use crate::journal::{self, Image, JournalError};
+use crate::journal::{self, JournalError, WholeImage};
 use crate::{Flash, FlashError, Layout, checksum_behind};
 
 /// Reason for which a part of an image is not taken.
@@ -33,7 +33,7 @@ impl From<FlashError> for ReceiveError {
 /// Image that comes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Receiver {
-    image: Option<Image>,
+    image: Option<WholeImage>,
     /// Bytes that are in the flash, and their checksum.
     received: u32,
     sum: u32,
@@ -48,7 +48,7 @@ impl Receiver {
     };
 
     /// The image that comes.
-    pub fn image(&self) -> Option<Image> {
+    pub fn image(&self) -> Option<WholeImage> {
         self.image
     }
 
@@ -61,7 +61,7 @@ impl Receiver {
     ///
     /// # Errors
     /// No image, or a longer one than a slot.
-    pub fn begin(&mut self, layout: &Layout, image: Image) -> Result<(), ReceiveError> {
+    pub fn begin(&mut self, layout: &Layout, image: WholeImage) -> Result<(), ReceiveError> {
         if image.length == 0 || image.length > layout.new.bytes() {
             return Err(ReceiveError::Length);
         }

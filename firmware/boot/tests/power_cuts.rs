@@ -1,7 +1,7 @@
 //! Power cuts at every erasure and every word of an update: the board always starts the old program or the new one, whole.
 
 use trirrr_boot::{
-    Flash, FlashError, Image, Layout, ReceiveError, Receiver, Slot, Stage, Started, boot,
+    Flash, FlashError, Layout, ReceiveError, Receiver, Slot, Stage, Started, WholeImage, boot,
     checksum_behind, confirm, request, stage,
 };
 
@@ -156,8 +156,8 @@ impl Flash for CutFlash {
     }
 }
 
-fn image(bytes: &[u8]) -> Image {
-    Image {
+fn image(bytes: &[u8]) -> WholeImage {
+    WholeImage {
         length: bytes.len() as u32,
         checksum: checksum_behind(0, bytes),
     }
@@ -395,12 +395,12 @@ fn blocks_come_in_their_order_and_the_checksum_is_that_of_the_flash() {
     let mut receiver = Receiver::NONE;
     let first = receiver.block(&mut flash, &LAYOUT, 0, &new[..16]);
     assert_eq!(first, Err(ReceiveError::NotBegun));
-    let long = Image {
+    let long = WholeImage {
         length: LAYOUT.new.bytes() + 1,
         checksum: 0,
     };
     assert_eq!(receiver.begin(&LAYOUT, long), Err(ReceiveError::Length));
-    let none = Image {
+    let none = WholeImage {
         length: 0,
         checksum: 0,
     };
