@@ -158,7 +158,7 @@ fn stays(subject: &Subject, other: &[u8]) -> Result<Vec<Row>> {
             "image of {} KiB over the line",
             other,
             received,
-            10 * SECOND,
+            30 * SECOND,
         ),
         within(
             "installed and answered, {} KiB",
