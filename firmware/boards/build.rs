@@ -1,9 +1,11 @@
 //! Takes the kinds of the scene over from `trirrr-app`, writes the pins of the board, and tells the linker about its memory.
 
-use std::env;
 use std::error::Error;
 use std::path::Path;
-use std::process;
+use std::{env, process};
+
+/// Folder of the memory of an image behind the boot loader, of a board that has one.
+const UPDATED: &str = "updated";
 
 /// Boards: package, Rust target, and linker script.
 const BOARDS: [(&str, &str, &str); 3] = [
@@ -44,6 +46,7 @@ fn build() -> Result<(), Box<dyn Error>> {
         "interlocks",
         "estop",
         "door",
+        "update",
     ] {
         println!("cargo:rustc-check-cfg=cfg({name})");
         if env::var_os(format!("DEP_TRIRRR_APP_{}", name.to_uppercase())).is_some() {
@@ -64,7 +67,14 @@ fn link() -> Result<(), Box<dyn Error>> {
         .iter()
         .find(|(of, on, _)| *of == package && *on == target)
         .ok_or_else(|| format!("{package} is for another board than {target}"))?;
+    let is_updated = env::var_os("DEP_TRIRRR_APP_UPDATE").is_some();
     let here = env::var("CARGO_MANIFEST_DIR")?;
+    if is_updated && !Path::new(&here).join(UPDATED).exists() {
+        return Err(format!(
+            "update = true in [service]: {package} has no boot loader; boards with an STM32F405 have one"
+        )
+        .into());
+    }
     let own = Path::new(&here).join(script);
     let script = match own.exists() {
         true => {
@@ -75,8 +85,13 @@ fn link() -> Result<(), Box<dyn Error>> {
         }
         false => {
             println!("cargo:rerun-if-changed={here}/../../../memory.x");
-            println!("cargo:rerun-if-changed={here}/regions.x");
-            println!("cargo:rustc-link-search={here}");
+            // `regions.x`, which `memory.x` includes.
+            let regions = match is_updated {
+                true => Path::new(&here).join(UPDATED),
+                false => Path::new(&here).to_path_buf(),
+            };
+            println!("cargo:rerun-if-changed={}/regions.x", regions.display());
+            println!("cargo:rustc-link-search={}", regions.display());
             (*script).to_owned()
         }
     };

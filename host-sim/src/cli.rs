@@ -21,6 +21,7 @@ use crate::report::ReportArgs;
 use crate::run::RunArgs;
 use crate::stream::StreamArgs;
 use crate::ui::UiArgs;
+use crate::update::UpdateArgs;
 use crate::watch::WatchArgs;
 use clap::{Parser, Subcommand};
 
@@ -71,6 +72,8 @@ pub enum Command {
     Tool(ToolArgs),
     /// Move a machine straight until its probe touches, and tell where that is
     Probe(ProbeArgs),
+    /// Replace the program of a board over its line
+    Update(UpdateArgs),
     /// Move a machine to a pose, from rest or from any motion
     Goto(GotoArgs),
     /// Move a machine to the start of the scene's job, or to another pose, slowly

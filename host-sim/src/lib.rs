@@ -49,4 +49,5 @@ pub mod stream;
 mod supply;
 pub mod terminal;
 pub mod ui;
+pub mod update;
 pub mod watch;

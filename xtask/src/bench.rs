@@ -3,6 +3,7 @@
 //!
 //! The bench is a workspace of its own, for it needs a C library: Unicorn, which takes cmake and libclang to build.
 
+use crate::boot;
 use crate::image::Image;
 use crate::repository::{self, SceneFile, cargo, target_directory};
 use anyhow::{Context, Result, ensure};
@@ -15,7 +16,7 @@ use trirrr_scene::{DriveKind, Scene};
 /// Board of the STM32G474 whose pins the bench knows.
 const G474_BOARD: &str = "nucleo-g474re";
 
-/// Scenes without names: a laser on steppers with an emergency stop, a longer job, drives with encoders, drives on a bus, the same
+/// Scenes without names, before [`UPDATED`]: a laser on steppers with an emergency stop, a longer job, drives with encoders, drives on a bus, the same
 /// on CAN FD, and no drives at all.
 const SCENES: [&str; 6] = [
     "inputs/guarded",
@@ -24,6 +25,12 @@ const SCENES: [&str; 6] = [
     "plant-odrive",
     "plant-moteus",
     "thesis",
+];
+
+/// An image that is replaced over the line, and the one that takes its place.
+const UPDATED: [&str; 2] = [
+    "tests/mcu-bench/scenes/updated.toml",
+    "tests/mcu-bench/scenes/other.toml",
 ];
 
 /// Number type of the images: the bench talks to them in it.
@@ -46,7 +53,11 @@ pub(crate) struct BenchArgs {
 
 pub(crate) fn run(arguments: &BenchArgs) -> Result<()> {
     let names = match arguments.scenes.as_slice() {
-        [] => SCENES.map(str::to_owned).to_vec(),
+        [] => {
+            let updated = repository::root().join(UPDATED[0]);
+            let scenes = SCENES.map(str::to_owned).into_iter();
+            scenes.chain([updated.display().to_string()]).collect()
+        }
         some => some.to_vec(),
     };
     let scenes = repository::scenes_named(&names)?;
@@ -98,6 +109,14 @@ fn check(arguments: &BenchArgs, bench: &Path, scene: &SceneFile) -> Result<()> {
                 .env("FAULT", "panic");
         })?;
         command.arg("--panicking").arg(panicking);
+    }
+    if Scene::read(&scene.path)?.service.update {
+        let other = repository::root().join(UPDATED[1]).display().to_string();
+        for other in repository::scenes_named(&[other])? {
+            command.arg("--other");
+            command.arg(Image::firmware(&other, SCALAR).build()?);
+        }
+        command.arg("--boot").arg(boot::build()?);
     }
     for case in &arguments.case {
         command.args(["--case", case]);

@@ -102,6 +102,7 @@ fn stages() -> Result<Vec<Stage>> {
     let mut tests = vec![Step::on_host("tests", "test", &["--no-fail-fast"])];
     tests.extend(examples(&packages));
     let mut images = lints_of_devices();
+    images.push(Step::chore("the boot loader", &["boot"])?);
     images.extend(figures()?);
     images.extend(releases(&packages));
 
@@ -141,6 +142,8 @@ fn lints_of_devices() -> Vec<Step> {
         step
     };
     let mut lints: Vec<Step> = DEVICE_PACKAGES.map(lint).into();
+    // Built for a host, too: its logic is tested there.
+    lints.push(lint(("trirrr-boot", FIRMWARE_TARGET)));
     // Pins on other ports than the default board's, of a scene with steppers, homing and a tool.
     let mut other_board = lint(("trirrr-stm32f405", FIRMWARE_TARGET));
     other_board.name += " for another board";

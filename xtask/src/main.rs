@@ -3,6 +3,7 @@
 mod admission;
 mod bench;
 mod boards;
+mod boot;
 mod budget;
 mod callgraph;
 mod ci;
@@ -61,6 +62,8 @@ enum Chore {
     G474,
     /// Boot the firmware in QEMU, play jobs on it with every client, compare every sample
     Emulate(emulate::EmulateArgs),
+    /// Build the boot loader of the STM32F405, check that it can boot, print its size
+    Boot,
     /// Execute the firmware with a model of its registers, check pins and times of drives and tool
     Bench(bench::BenchArgs),
     /// Play jobs on trirrr device with the Python client, compare its tables
@@ -96,6 +99,7 @@ fn main() -> anyhow::Result<()> {
         Chore::Rp2040(arguments) => rp2040::run(&arguments),
         Chore::G474 => other_boards::g474(),
         Chore::Emulate(arguments) => emulate::run(&arguments),
+        Chore::Boot => boot::run(),
         Chore::Bench(arguments) => bench::run(&arguments),
         Chore::Client => client::run(),
         Chore::Senders => senders::run(),

@@ -222,6 +222,19 @@ Violation = Struct(
     shortest=Optional(LeastDuration),
 )
 
+UpdateRefusal = Enum(
+    "UpdateRefusal",
+    Board=None,
+    Chip=None,
+    Start={"expected": U32},
+    Length={"longest": U32},
+    NotBegun=None,
+    Block={"expected": U32},
+    Checksum={"found": U32},
+    Flash={"place": U32, "status": U32},
+    JournalFull=None,
+)
+
 Refusal = Enum(
     "Refusal",
     HelloFirst=None,
@@ -269,6 +282,8 @@ Refusal = Enum(
     ProbeTouches=None,
     ProbeOpen=None,
     LimitSwitch={"motor": BYTE},
+    NoUpdate=None,
+    Update=UpdateRefusal,
 )
 
 Hello = Struct(
@@ -400,6 +415,55 @@ TelemetryFields = Fields("TelemetryFields", U16)
 #: All of them.
 ALL_FIELDS = TelemetryFields.of(*TELEMETRY_FIELDS)
 
+Firmware = Struct(
+    "Firmware",
+    version=array(BYTE, 16),
+    commit=array(BYTE, 16),
+    board=array(BYTE, 32),
+    chip=array(BYTE, 16),
+)
+
+ImageHeader = Struct(
+    "ImageHeader",
+    start=U32,
+    length=U32,
+    checksum=U32,
+    firmware=Firmware,
+)
+
+ImageBlock = Struct(
+    "ImageBlock",
+    offset=U32,
+    count=BYTE,
+    bytes=array(array(BYTE, 32), 4),
+)
+
+UpdateStep = Enum(
+    "UpdateStep",
+    Begin=ImageHeader,
+    Block=ImageBlock,
+    Finish=None,
+    Restart=None,
+)
+
+UpdateOutcome = Enum(
+    "UpdateOutcome",
+    Never=None,
+    Requested=None,
+    OnTrial=None,
+    Confirmed=None,
+    Reverted=None,
+)
+
+UpdateStatus = Struct(
+    "UpdateStatus",
+    start=U32,
+    room=U32,
+    coming=Optional(U32),
+    received=U32,
+    outcome=UpdateOutcome,
+)
+
 Command = Enum(
     "Command",
     Hello=Hello,
@@ -427,6 +491,8 @@ Command = Enum(
     Levels=LevelPiece,
     Listed=ListedMove,
     Probe={"away": BOOL},
+    UpdateStatus=None,
+    Update=UpdateStep,
 )
 
 Request = Struct(
@@ -479,14 +545,6 @@ Board = Struct(
     timer_hz=U32,
     clock=Clock,
     start=Start,
-)
-
-Firmware = Struct(
-    "Firmware",
-    version=array(BYTE, 16),
-    commit=array(BYTE, 16),
-    board=array(BYTE, 32),
-    chip=array(BYTE, 16),
 )
 
 Identity = Struct(
@@ -690,6 +748,7 @@ Reply = Enum(
     Section=Section,
     Status=Status,
     Kept={"missing": U32},
+    Update=UpdateStatus,
 )
 
 Message = Enum(

@@ -101,6 +101,7 @@ _REFUSED = {
     "ProbeTouches": "the probe touches before the run",
     "ProbeOpen": "the probe does not touch before the run, which is to lead away",
     "LimitSwitch": "motor {number} stands on its limit switch: only a recovery or homing moves the machine off it",
+    "NoUpdate": "the machine's program cannot be replaced over the line",
     "Recovery": "the way there would break a limit",
 }
 

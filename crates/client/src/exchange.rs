@@ -218,16 +218,44 @@ fn answers<N: Transmit>(command: &Command<N>, reply: &Reply<N>) -> bool {
         (Command::Hello(_), _) => matches!(reply, Reply::Hello(_)),
         (Command::Status, _) => matches!(reply, Reply::Status(_)),
         (Command::Read(_), _) => matches!(reply, Reply::Section(_)),
+        (Command::UpdateStatus, _) => matches!(reply, Reply::Update(_)),
         _ => matches!(reply, Reply::Done),
+    }
+}
+
+/// Identity of a simulated machine that takes eight requests at a time.
+#[cfg(test)]
+pub(crate) fn identity_of_tests(next_sequence: u32) -> trirrr_protocol::message::Identity {
+    use trirrr_protocol::message::{
+        AngleReference, Board, Firmware, Identity, NAME_CAPACITY, PROTOCOL,
+    };
+
+    Identity {
+        protocol: PROTOCOL,
+        schema: 0,
+        scene: 0,
+        name: [0; NAME_CAPACITY],
+        tick_rate_hz: 1000.0,
+        length_m: 1.0,
+        time_s: 1.0,
+        mass_kg: 1.0,
+        ramp_ticks: 100,
+        silence_ticks: 1000,
+        queue: 256,
+        window: 8,
+        batch: 4,
+        next_sequence,
+        reference: AngleReference::Declared,
+        board: Board::HOST,
+        firmware: Firmware::SIMULATOR,
+        levels: 0,
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trirrr_protocol::message::{
-        AngleReference, Board, Firmware, Identity, NAME_CAPACITY, PROTOCOL,
-    };
+    use trirrr_protocol::message::{Identity, PROTOCOL};
 
     const ANSWER: Duration = Duration::from_millis(200);
 
@@ -247,24 +275,8 @@ mod tests {
         assert!(!exchange.has_room(), "nothing before the answer");
         assert_eq!(sent(&mut exchange, Duration::ZERO), [7]);
         let identity = Identity {
-            protocol: PROTOCOL,
-            schema: 0,
-            scene: 0,
-            name: [0; NAME_CAPACITY],
-            tick_rate_hz: 1000.0,
-            length_m: 1.0,
-            time_s: 1.0,
-            mass_kg: 1.0,
-            ramp_ticks: 100,
-            silence_ticks: 1000,
-            queue: 256,
             window,
-            batch: 4,
-            next_sequence: 40,
-            reference: AngleReference::Declared,
-            board: Board::HOST,
-            firmware: Firmware::SIMULATOR,
-            levels: 0,
+            ..identity_of_tests(40)
         };
         let (request, _) = exchange.receive(&reply(7, Reply::Hello(identity))).unwrap();
         assert_eq!(request.sequence, 7);

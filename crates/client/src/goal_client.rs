@@ -237,7 +237,7 @@ impl<N: Transmit> GoalClient<N> {
                 self.look = now;
             }
             Reply::Refused(refusal) => self.on_refusal(&command, refusal, now),
-            Reply::Section(_) | Reply::Kept { .. } => {}
+            Reply::Section(_) | Reply::Kept { .. } | Reply::Update(_) => {}
         }
     }
 

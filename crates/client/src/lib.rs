@@ -9,7 +9,7 @@
 //! ```
 //! [`exchange`] keeps requests and answers in step; [`JobClient`] plays a job through it, [`GoalClient`] sends the machine to goals,
 //! [`ManualClient`] sends the commands of a person and nothing else. [`transport`] carries frames over a serial port or TCP. [`local`] is a machine in the same program, and [`runner`] plays a job on it.
-//! [`JobRest`] is the rest of a job that was left on its way.
+//! [`UpdateClient`] replaces the program of a board. [`JobRest`] is the rest of a job that was left on its way.
 //! `trirrr_scene::offer` turns a scene's job into moves, [`records`] turns telemetry into records,
 //! [`drive_records`] puts what the drives do beside, and [`describe`] says in words and SI units what a machine reports.
 //!
@@ -32,6 +32,7 @@ pub mod records;
 mod resume;
 pub mod runner;
 pub mod transport;
+mod update_client;
 
 pub use approach::short_way;
 pub use exchange::Patience;
@@ -40,3 +41,4 @@ pub use goal_client::{GoalAction, GoalClient, GoalFailure};
 pub use job_client::{Action, JobClient, JobWork, MoveChecksum, SuppliedMoves, UserCommand};
 pub use manual_client::{ManualAction, ManualClient};
 pub use resume::{JobPlace, JobRest};
+pub use update_client::{ProgramImage, UpdateAction, UpdateClient, UpdateFailure};

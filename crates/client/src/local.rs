@@ -9,7 +9,9 @@ use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_core::tick::Motor;
 use trirrr_plan::window::ServicePlanner;
 use trirrr_protocol::message::scene::Section;
-use trirrr_protocol::message::{Hello, Message, MoveBatch, PROTOCOL, Reply, Request, State};
+use trirrr_protocol::message::{
+    Hello, Message, MoveBatch, PROTOCOL, Reply, Request, State, UpdateStep,
+};
 use trirrr_protocol::wire::{self, schema};
 use trirrr_scene::Scene;
 use trirrr_scene::offer;
@@ -268,6 +270,7 @@ where
             N = N,
             Replacement = Section,
             Batch = MoveBatch<N>,
+            Update = UpdateStep,
             Levels = LevelRing<N, LEVELS>,
             Part = Section,
             Curves = Quintics,

@@ -163,7 +163,7 @@ impl<N: Transmit> ManualClient<N> {
                     self.look = now;
                 }
             },
-            Reply::Section(_) | Reply::Kept { .. } => {}
+            Reply::Section(_) | Reply::Kept { .. } | Reply::Update(_) => {}
         }
     }
 }

@@ -24,6 +24,8 @@ pub struct Service {
     pub power_lists: u16,
     /// Clients may replace legs, platform with loads, and limits of a board while it stands idle.
     pub adjustable: bool,
+    /// The program of a board may be replaced over its line.
+    pub update: bool,
     /// One telemetry sample every so many ticks, from 1, until a client asks for another rate.
     pub telemetry_ticks: u32,
 }
@@ -38,6 +40,7 @@ impl Default for Service {
             batches: None,
             power_lists: 0,
             adjustable: false,
+            update: false,
             telemetry_ticks: 1,
         }
     }
@@ -111,6 +114,10 @@ pub(crate) fn read_service(
         true => section.boolean("adjustable"),
         false => Some(default.adjustable),
     };
+    let update = match section.has("update") {
+        true => section.boolean("update"),
+        false => Some(default.update),
+    };
     Some(Service {
         silence_timeout_s: silence_timeout_s?,
         hold_ramp_s: hold_ramp_s?,
@@ -119,6 +126,7 @@ pub(crate) fn read_service(
         batches: batches?,
         power_lists: power_lists?,
         adjustable: adjustable?,
+        update: update?,
         telemetry_ticks: telemetry_ticks?,
     })
 }

@@ -89,8 +89,8 @@ pub use pace::{MovePaces, Pace, Ramp};
 pub use planner::{PathPlanner, PathStep, Planning};
 pub use retreat::{NoRetreat, RetreatKind, Retreats, Trail};
 pub use scene::{
-    Adjustable, Compiled, NoSlot, Parts, Put, Scene, Setup, Slot, Take, WithContact, WithFeedback,
-    WithHoming, WithInterlocks, WithLevels,
+    Adjustable, Compiled, ImageSlot, NoSlot, Parts, Put, Scene, Setup, Slot, Take, WithContact,
+    WithFeedback, WithHoming, WithInterlocks, WithLevels, WithUpdate,
 };
 pub use service::{Played, Service};
 pub use settings::{PowerTimes, Reactions, SceneIdentity, Settings, StopCategory, key, name};

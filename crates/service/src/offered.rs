@@ -69,11 +69,12 @@ impl<const JERK: bool> PlayedCurves for Quintics<JERK> {
     }
 }
 
-/// Types as which a service of the scene `S` reads quintics, batches and power lists.
+/// Types as which a service of the scene `S` reads quintics, batches, power lists and updates.
 type ContentsOf<S> = (
     <<S as Scene>::Curves as PlayedCurves>::Request<<S as Scene>::N>,
     <S as Scene>::Batch,
     <<S as Scene>::Levels as LevelKind<<S as Scene>::N>>::Request,
+    <S as Scene>::Update,
 );
 
 /// Command as a service of the scene `S` reads it.

@@ -5,8 +5,12 @@ use crate::line::{Line, Received};
 use crate::log;
 use crate::scene::Scalar;
 use crate::service::{MessageRef, SceneBackground};
+#[cfg(update)]
+use crate::update;
 use embedded_hal_nb::serial::Write;
 use trirrr_protocol::message::Event;
+#[cfg(update)]
+use trirrr_protocol::message::Reply;
 
 /// Messages between two slices, at the most: as many as samples wait.
 const MESSAGES: usize = 8;
@@ -56,6 +60,8 @@ impl<W: Write<u8>, L: Write<u8>> Background<W, L> {
             }
             step(&mut self.service);
             log::drain(&mut self.log);
+            #[cfg(update)]
+            update::restart_if_asked();
         }
     }
 }
@@ -91,6 +97,11 @@ fn put_reply(service: &mut SceneBackground, line: &mut Line) -> bool {
             None => return false,
         },
     };
+    // A host that speaks in this layout can talk to the program, and replace it.
+    #[cfg(update)]
+    if let Reply::Hello(_) = &reply {
+        update::confirm_program();
+    }
     let reply = &reply;
     line.put(&MessageRef::Reply { sequence, reply });
     true

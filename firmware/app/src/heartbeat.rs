@@ -22,7 +22,7 @@ pub(crate) fn beat() {
 
 /// Number of ticks that were in time, modulo 2^32.
 #[inline]
-fn ticks() -> u32 {
+pub(crate) fn ticks() -> u32 {
     TICKS.load(Ordering::Relaxed)
 }
 

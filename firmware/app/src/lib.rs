@@ -52,6 +52,8 @@ pub mod slots;
 mod tick;
 #[cfg(target_os = "none")]
 mod tick_clock;
+#[cfg(all(target_os = "none", update))]
+mod update;
 
 #[cfg(target_os = "none")]
 pub use background::Background;
@@ -67,6 +69,8 @@ pub use service::{Channels, Output, Readings, build};
 pub use tick::Tick;
 #[cfg(target_os = "none")]
 pub use tick_clock::{TickClock, period};
+#[cfg(all(target_os = "none", update))]
+pub use update::ImageLabel;
 
 /// Ends a board's program that was started on a host, and tells how to build the image: with `command`.
 #[cfg(not(target_os = "none"))]

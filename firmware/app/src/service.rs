@@ -15,6 +15,8 @@ use crate::scene::{Curves, Model, NAME, Planner, SETTINGS, START, Scalar, TICK_R
 use crate::scene::{INPUTS, INTERLOCKS, Probe};
 #[cfg(adjustable)]
 use crate::scene::{LIMITS, PARAMETERS};
+#[cfg(update)]
+use crate::update::NewImage;
 use trirrr_protocol::message::{self, Board, Clock, Firmware, Start};
 #[cfg(adjustable)]
 use trirrr_service::Adjustable;
@@ -30,6 +32,8 @@ use trirrr_service::WithHoming;
 use trirrr_service::WithInterlocks;
 #[cfg(levels)]
 use trirrr_service::WithLevels;
+#[cfg(update)]
+use trirrr_service::WithUpdate;
 use trirrr_service::{Scene, Settings};
 
 #[cfg(contact_refused)]
@@ -77,11 +81,17 @@ type FeelingScene = MeasuredScene;
 #[cfg(contact)]
 type FeelingScene = WithContact<'static, MeasuredScene, Retreat>;
 
-/// Scene of this image. It may have an emergency stop, a door, limit switches and a probe.
+/// The same with its emergency stop, its door, its limit switches and its probe, if it has any.
 #[cfg(not(interlocks))]
-pub(crate) type ImageScene = FeelingScene;
+type GuardedScene = FeelingScene;
 #[cfg(interlocks)]
-pub(crate) type ImageScene = WithInterlocks<FeelingScene, INPUTS, Probe>;
+type GuardedScene = WithInterlocks<FeelingScene, INPUTS, Probe>;
+
+/// Scene of this image. Its program may be replaced over the line.
+#[cfg(not(update))]
+pub(crate) type ImageScene = GuardedScene;
+#[cfg(update)]
+pub(crate) type ImageScene = WithUpdate<GuardedScene, NewImage>;
 
 /// Retreat of this image after a contact.
 #[cfg(all(contact, not(retreat)))]
@@ -159,6 +169,11 @@ pub fn build(
         scene,
         parameters: INTERLOCKS,
         probe: core::marker::PhantomData,
+    };
+    #[cfg(update)]
+    let scene = WithUpdate {
+        scene,
+        slot: NewImage::new(firmware),
     };
     // The reader of the scene refuses a start out of reach. The error is not formatted: that would bring
     // floats as text into the image.

@@ -96,7 +96,7 @@ mod app {
             clock,
             start: chip.start,
         };
-        let (foreground, background) = trirrr_app::build(channels, board, &FIRMWARE);
+        let (foreground, background) = trirrr_app::build(channels, board, FIRMWARE);
         let parts = drives::DriveParts {
             pins: pins.drives,
             peripherals: chip.drives,

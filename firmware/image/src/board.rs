@@ -61,9 +61,18 @@ pub fn build_script(package: &str, root: &Path) -> Result<(), Box<dyn Error>> {
 /// Build of the image as source: version of the package, commit, and the board of `file`.
 fn firmware(file: &Path, board: &BoardFile, root: &Path) -> String {
     let name = file.file_stem().unwrap_or_default().to_string_lossy();
-    let firmware = "trirrr_protocol::message::Firmware";
+    let (label, firmware) = (
+        "trirrr_app::ImageLabel",
+        "trirrr_protocol::message::Firmware",
+    );
     format!(
-        "pub(crate) static FIRMWARE: {firmware} = {firmware}::new(env!(\"CARGO_PKG_VERSION\"), {:?}, {name:?}, {:?});\n",
+        "const BUILD: {firmware} = {firmware}::new(env!(\"CARGO_PKG_VERSION\"), {:?}, {name:?}, {:?});\n\
+         #[cfg(not(update))]\n\
+         pub(crate) const FIRMWARE: &{firmware} = &BUILD;\n\
+         #[cfg(update)]\n\
+         static LABEL: {label} = {label}::new(BUILD);\n\
+         #[cfg(update)]\n\
+         pub(crate) const FIRMWARE: &{firmware} = &LABEL.firmware;\n",
         commit::commit(root),
         board.chip.name,
     )

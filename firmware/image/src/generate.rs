@@ -46,7 +46,7 @@ pub fn of_scene(number: NumberType) -> &'static str {
 /// names the number type; the default is the scene's own, with `f32` for `f64`, which is for hosts.
 ///
 /// Sets the kind of the scene's drives as `cfg(drive = "...")`, that of its tool as `cfg(tool = "...")`, `cfg(homing)` for a
-/// scene with homing, `cfg(interlocks)` for one with inputs, of which `cfg(estop)`, `cfg(door)`, `cfg(probe)` and `cfg(limits)` are there (`cfg(limits_at_homing)` where limit switches are those of homing), `cfg(levels)` for one with power lists, `cfg(adjustable)` for one that clients may change, and `cfg(contact)` for one
+/// scene with homing, `cfg(interlocks)` for one with inputs, of which `cfg(estop)`, `cfg(door)`, `cfg(probe)` and `cfg(limits)` are there (`cfg(limits_at_homing)` where limit switches are those of homing), `cfg(levels)` for one with power lists, `cfg(update)` for one whose program may be replaced over the line, `cfg(adjustable)` for one that clients may change, and `cfg(contact)` for one
 /// that detects contacts. A package with a `links` key hands them on to the build scripts of its dependents, with the [needs](Needs) of the scene. Cargo warns of
 /// a scene that lacks limits of its motors.
 ///
@@ -115,7 +115,7 @@ fn board(scene: &Scene, file: &Path) -> Option<String> {
 }
 
 /// Sets the kinds of the scene as `cfg`s. The build scripts of dependent packages learn them by [`Needs`]; here the names of all kinds
-/// (`DEP_..._DRIVES`, `TOOLS`) and `FEEDBACK` are handed on.
+/// (`DEP_..._DRIVES`, `TOOLS`), `UPDATE` and `FEEDBACK` are handed on.
 fn print_kinds(scene: &Scene) {
     print_kind("drive", drive::KINDS, kind(scene));
     print_kind("tool", tool::TOOLS, tool_kind(scene));
@@ -152,6 +152,11 @@ fn print_kinds(scene: &Scene) {
     println!("cargo:rustc-check-cfg=cfg(adjustable)");
     if scene.service.adjustable {
         println!("cargo:rustc-cfg=adjustable");
+    }
+    println!("cargo:rustc-check-cfg=cfg(update)");
+    if scene.service.update {
+        println!("cargo:rustc-cfg=update");
+        println!("cargo:update=yes");
     }
     println!("cargo:rustc-check-cfg=cfg(feedback)");
     if scene.feedback.is_some() {

@@ -132,5 +132,7 @@ fn name<N: Transmit>(command: &Command<N>) -> &'static str {
         Command::Enable => "enable",
         Command::Disable => "disable",
         Command::Drives { .. } => "drives",
+        Command::UpdateStatus => "state of an update",
+        Command::Update(_) => "update",
     }
 }

@@ -388,7 +388,7 @@ impl<N: Transmit> MachineDriver<N> {
                 }
             }
             Reply::Refused(refusal) => self.on_refusal(&command, refusal, now),
-            Reply::Section(_) | Reply::Kept { .. } => {}
+            Reply::Section(_) | Reply::Kept { .. } | Reply::Update(_) => {}
         }
     }
 

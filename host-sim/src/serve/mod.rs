@@ -67,7 +67,7 @@ impl Standing {
         match reply {
             Reply::Hello(_) => Self::Greeted,
             Reply::Kept { .. } => Self::Open,
-            Reply::Done | Reply::Section(_) | Reply::Status(_) => Self::Known,
+            Reply::Done | Reply::Section(_) | Reply::Status(_) | Reply::Update(_) => Self::Known,
             Reply::Refused(refusal) => match refusal {
                 Refusal::HelloFirst | Refusal::Sequence { .. } | Refusal::SequenceReused => {
                     Self::Guessed

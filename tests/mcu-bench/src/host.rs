@@ -6,26 +6,66 @@ use anyhow::{Result, anyhow, bail};
 use std::time::Duration;
 use trirrr_client::transport::Frames;
 use trirrr_client::{Action, JobClient, Patience};
-use trirrr_protocol::message::{Message, Telemetry, TelemetryFields};
+use trirrr_protocol::message::{Message, Request, Telemetry, TelemetryFields};
 use trirrr_scene::Scene;
 
 /// Baud rate of the line.
 pub(crate) const BAUD: f64 = 921_600.0;
 
 /// The host looks at the line so often, as a USB adapter does.
-const LOOK: Time = MS / 4;
+pub(crate) const LOOK: Time = MS / 4;
 
 /// Content of the samples: at a sample in each of 1000 ticks a second the line has no room for all.
 const FIELDS: TelemetryFields =
     TelemetryFields(TelemetryFields::ANGLES.0 | TelemetryFields::TOOL.0);
 
-pub(crate) struct Host {
-    client: JobClient<f32>,
+/// Host's end of the line: frames in the time of the board.
+#[derive(Default)]
+pub(crate) struct HostLine {
     frames: Frames,
     /// Bytes of the board that were read.
     read: usize,
     /// End of the last byte to the board.
     wire_free: Time,
+}
+
+impl HostLine {
+    /// Drops what has come so far.
+    pub(crate) fn drop_all(&mut self, board: &mut Board) {
+        self.read = board.chip().line().sent.len();
+    }
+
+    /// Returns the messages that have come.
+    pub(crate) fn hear(&mut self, board: &mut Board) -> Vec<Message<f32>> {
+        let now = board.now();
+        let line = board.chip().line();
+        let mut messages: Vec<Message<f32>> = Vec::new();
+        while let Some((time, byte)) = line.sent.get(self.read).copied()
+            && time <= now
+        {
+            self.read += 1;
+            self.frames
+                .receive(&[byte], |message| messages.push(message));
+        }
+        messages
+    }
+
+    /// Sends a request behind those before.
+    pub(crate) fn say(&mut self, board: &mut Board, request: &Request<f32>) {
+        let now = board.now();
+        let mut bytes = Vec::new();
+        Frames::append(request, &mut bytes);
+        for byte in bytes {
+            let start = self.wire_free.max(now);
+            self.wire_free = start + (10.0 * SECOND as f64 / BAUD) as Time;
+            board.chip().line().coming.push_back((self.wire_free, byte));
+        }
+    }
+}
+
+pub(crate) struct Host {
+    client: JobClient<f32>,
+    line: HostLine,
     pub(crate) samples: Vec<Telemetry<f32>>,
     /// End of the job.
     pub(crate) ended: Option<Result<(), String>>,
@@ -42,9 +82,7 @@ impl Host {
         let client = JobClient::new(moves, hello, 1, Patience::default(), 7);
         Ok(Self {
             client: client.with_fields(FIELDS),
-            frames: Frames::default(),
-            read: 0,
-            wire_free: 0,
+            line: HostLine::default(),
             samples: Vec::new(),
             ended: None,
             is_cut: false,
@@ -76,23 +114,11 @@ impl Host {
     }
 
     fn talk(&mut self, board: &mut Board) {
-        let now = board.now();
-        let chip = board.chip();
-        let line = chip.line();
         if self.is_cut {
-            self.read = line.sent.len();
-            return;
+            return self.line.drop_all(board);
         }
-        let clock = Duration::from_secs_f64(seconds(now));
-        let mut messages: Vec<Message<f32>> = Vec::new();
-        while let Some((time, byte)) = line.sent.get(self.read).copied()
-            && time <= now
-        {
-            self.read += 1;
-            self.frames
-                .receive(&[byte], |message| messages.push(message));
-        }
-        for message in messages {
+        let clock = Duration::from_secs_f64(seconds(board.now()));
+        for message in self.line.hear(board) {
             if let Message::Telemetry(sample) = &message {
                 self.samples.push(*sample);
             }
@@ -100,15 +126,7 @@ impl Host {
         }
         loop {
             match self.client.poll(clock) {
-                Action::Send(request) => {
-                    let mut bytes = Vec::new();
-                    Frames::append(&request, &mut bytes);
-                    for byte in bytes {
-                        let start = self.wire_free.max(now);
-                        self.wire_free = start + (10.0 * SECOND as f64 / BAUD) as Time;
-                        line.coming.push_back((self.wire_free, byte));
-                    }
-                }
+                Action::Send(request) => self.line.say(board, &request),
                 Action::Wait(_) => return,
                 Action::Lost => self.client.reconnected(),
                 Action::Finished(result) => {

@@ -33,6 +33,12 @@ struct Arguments {
     /// Chip that the image is for
     #[arg(long, value_enum, default_value = "stm32f405")]
     chip: Kind,
+    /// Boot loader, of an image that is replaced over the line
+    #[arg(long, requires = "other")]
+    boot: Option<PathBuf>,
+    /// Image of another scene that takes its place
+    #[arg(long, requires = "boot")]
+    other: Option<PathBuf>,
     /// Case to run; all without
     #[arg(long)]
     case: Vec<String>,
@@ -56,6 +62,10 @@ fn main() -> Result<()> {
         kind: arguments.chip,
         image: arguments.image,
         panicking: arguments.panicking,
+        update: arguments
+            .boot
+            .zip(arguments.other)
+            .map(<[PathBuf; 2]>::from),
         dump: arguments.vcd,
     };
     let start = Instant::now();

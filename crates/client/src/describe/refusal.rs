@@ -1,7 +1,7 @@
 //! Refusals of commands.
 
 use super::{Units, state, violation};
-use trirrr_protocol::message::{Acting, Refusal, Transmit};
+use trirrr_protocol::message::{Acting, Refusal, Transmit, UpdateRefusal};
 
 /// Describes the reason why a command was not executed. `ticks` is the duration of the move that was
 /// refused, if the command was a move.
@@ -104,6 +104,43 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
         Refusal::Busy => "the board's tick has not taken the commands before this one".into(),
         Refusal::NoHoming => {
             "the scene has no [homing]: the board knows where its motors are".into()
+        }
+        Refusal::NoUpdate => {
+            "the machine's program cannot be replaced over the line: a simulator has no flash; a board needs update = true in \
+             [service] of its scene, its boot loader, and to be flashed with a probe once"
+                .into()
+        }
+        Refusal::Update(refusal) => update(refusal),
+    }
+}
+
+/// Describes the reason why a step of an update was not taken, and what to do.
+fn update(refusal: &UpdateRefusal) -> String {
+    match refusal {
+        UpdateRefusal::Board => {
+            "the image is for another board: build it with the board that the machine tells, BOARD=NAME cargo fw".into()
+        }
+        UpdateRefusal::Chip => {
+            "the image is for another chip: build it with the board that the machine tells, BOARD=NAME cargo fw".into()
+        }
+        UpdateRefusal::Start { expected } => format!(
+            "the image does not begin at {expected:#010x}: build it from a scene with update = true in [service]"
+        ),
+        UpdateRefusal::Length { longest } => {
+            format!("the image is longer than {longest} bytes, or empty")
+        }
+        UpdateRefusal::NotBegun => "no image was begun: send it again".into(),
+        UpdateRefusal::Block { expected } => format!(
+            "the bytes are not those that follow ({expected} are there): has the board two clients?"
+        ),
+        UpdateRefusal::Checksum { found } => format!(
+            "the image in the flash has the checksum {found:#010x} and not its own: send it again"
+        ),
+        UpdateRefusal::Flash { place, status } => format!(
+            "the flash cannot be written at {place:#x} (status {status:#x}): send the image again; if that fails, too, the flash is worn out"
+        ),
+        UpdateRefusal::JournalFull => {
+            "the journal of updates has no room: restart the board, and send the image again".into()
         }
     }
 }

@@ -376,7 +376,7 @@ impl<N: Transmit> JobClient<N> {
                 self.on_done(&command, now);
             }
             // The client asks for none, and the exchange has the other.
-            Reply::Section(_) | Reply::Kept { .. } => {}
+            Reply::Section(_) | Reply::Kept { .. } | Reply::Update(_) => {}
         }
     }
 

@@ -18,6 +18,8 @@ pub struct Board {
 
 /// Build of the program that a machine runs. Texts are ASCII, cut where they are longer, with zeros behind them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
+// Hosts read it out of images.
+#[repr(C)]
 pub struct Firmware {
     /// Version of the program.
     pub version: [u8; SHORT_TEXT],
@@ -125,6 +127,20 @@ impl Firmware {
             board: padded(board),
             chip: padded(chip),
         }
+    }
+
+    /// Build that lies at the beginning of `bytes`, as in memory. `None` if there are too few.
+    pub fn of_bytes(bytes: &[u8]) -> Option<Self> {
+        let (version, rest) = bytes.split_first_chunk()?;
+        let (commit, rest) = rest.split_first_chunk()?;
+        let (board, rest) = rest.split_first_chunk()?;
+        let (chip, _) = rest.split_first_chunk()?;
+        Some(Self {
+            version: *version,
+            commit: *commit,
+            board: *board,
+            chip: *chip,
+        })
     }
 }
 

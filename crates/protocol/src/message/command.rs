@@ -4,7 +4,7 @@ use super::report::NAME_CAPACITY;
 use super::scene::{Section, SectionName};
 use super::{
     LevelPiece, ListedMove, Move, MoveBatch, PathPiece, QuinticMove, TelemetryFields, Transmit,
-    Unread,
+    Unread, UpdateStep,
 };
 use postcard_schema::Schema;
 use serde::de::DeserializeOwned;
@@ -16,11 +16,11 @@ use trirrr_core::setpoint::Pose;
 /// [`Unread`](super::Unread) by a machine that takes none. `C` is the same for quintic moves and for batches.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
-    serialize = "N: Transmit, S: Serialize, C::Quintic: Serialize, C::Goal: Serialize, C::Piece: Serialize, C::Batch: Serialize, C::Levels: Serialize, C::Listed: Serialize",
-    deserialize = "N: Transmit, S: DeserializeOwned, C::Quintic: DeserializeOwned, C::Goal: DeserializeOwned, C::Piece: DeserializeOwned, C::Batch: DeserializeOwned, C::Levels: DeserializeOwned, C::Listed: DeserializeOwned"
+    serialize = "N: Transmit, S: Serialize, C::Quintic: Serialize, C::Goal: Serialize, C::Piece: Serialize, C::Batch: Serialize, C::Levels: Serialize, C::Listed: Serialize, C::Update: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned, C::Quintic: DeserializeOwned, C::Goal: DeserializeOwned, C::Piece: DeserializeOwned, C::Batch: DeserializeOwned, C::Levels: DeserializeOwned, C::Listed: DeserializeOwned, C::Update: DeserializeOwned"
 ))]
 #[postcard(
-    bound = "N: Transmit, S: Schema, C: MoveContents, C::Quintic: Schema, C::Goal: Schema, C::Piece: Schema, C::Batch: Schema, C::Levels: Schema, C::Listed: Schema"
+    bound = "N: Transmit, S: Schema, C: MoveContents, C::Quintic: Schema, C::Goal: Schema, C::Piece: Schema, C::Batch: Schema, C::Levels: Schema, C::Listed: Schema, C::Update: Schema"
 )]
 pub struct Request<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
     /// Counts the requests, one by one, modulo 2^32; the first is the one that [`Identity`] names.
@@ -36,11 +36,11 @@ pub struct Request<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
 /// Order of a host to a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
-    serialize = "N: Transmit, S: Serialize, C::Quintic: Serialize, C::Goal: Serialize, C::Piece: Serialize, C::Batch: Serialize, C::Levels: Serialize, C::Listed: Serialize",
-    deserialize = "N: Transmit, S: DeserializeOwned, C::Quintic: DeserializeOwned, C::Goal: DeserializeOwned, C::Piece: DeserializeOwned, C::Batch: DeserializeOwned, C::Levels: DeserializeOwned, C::Listed: DeserializeOwned"
+    serialize = "N: Transmit, S: Serialize, C::Quintic: Serialize, C::Goal: Serialize, C::Piece: Serialize, C::Batch: Serialize, C::Levels: Serialize, C::Listed: Serialize, C::Update: Serialize",
+    deserialize = "N: Transmit, S: DeserializeOwned, C::Quintic: DeserializeOwned, C::Goal: DeserializeOwned, C::Piece: DeserializeOwned, C::Batch: DeserializeOwned, C::Levels: DeserializeOwned, C::Listed: DeserializeOwned, C::Update: DeserializeOwned"
 ))]
 #[postcard(
-    bound = "N: Transmit, S: Schema, C: MoveContents, C::Quintic: Schema, C::Goal: Schema, C::Piece: Schema, C::Batch: Schema, C::Levels: Schema, C::Listed: Schema"
+    bound = "N: Transmit, S: Schema, C: MoveContents, C::Quintic: Schema, C::Goal: Schema, C::Piece: Schema, C::Batch: Schema, C::Levels: Schema, C::Listed: Schema, C::Update: Schema"
 )]
 pub enum Command<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
     /// Opens the conversation; nothing else is heard before it. Answered by an identity.
@@ -110,6 +110,10 @@ pub enum Command<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
         /// False: until the probe touches. True: until it touches no more.
         away: bool,
     },
+    /// Asks for the [state of an update](super::UpdateStatus) of the program.
+    UpdateStatus,
+    /// Replaces the program, step by step; only with the drives off.
+    Update(C::Update),
 }
 
 /// Protocol, layout and scene that a host expects of the machine.
@@ -175,17 +179,20 @@ pub trait MoveContents {
     type Levels: Clone + Copy + core::fmt::Debug + PartialEq;
     /// A [`ListedMove`].
     type Listed: Clone + Copy + core::fmt::Debug + PartialEq;
+    /// An [`UpdateStep`].
+    type Update: Clone + Copy + core::fmt::Debug + PartialEq;
 }
 
 /// All of it is read.
-pub type AllMoves<N> = (QuinticMove<N>, MoveBatch<N>, ListedMove<N>);
+pub type AllMoves<N> = (QuinticMove<N>, MoveBatch<N>, ListedMove<N>, UpdateStep);
 
-/// As which a quintic move is read, a batch, and a move with levels.
-impl<Q, B, L> MoveContents for (Q, B, L)
+/// As which a quintic move is read, a batch, a move with levels, and a step of an update.
+impl<Q, B, L, U> MoveContents for (Q, B, L, U)
 where
     Q: QuinticContent + Clone + Copy + core::fmt::Debug + PartialEq,
     B: Clone + Copy + core::fmt::Debug + PartialEq,
     L: ListedContent + Clone + Copy + core::fmt::Debug + PartialEq,
+    U: Clone + Copy + core::fmt::Debug + PartialEq,
 {
     type Quintic = Q;
     type Goal = Q::Goal;
@@ -193,6 +200,7 @@ where
     type Batch = B;
     type Levels = L::Levels;
     type Listed = L;
+    type Update = U;
 }
 
 /// Type as which a quintic move is read, with those as which a [`Goal`] and a [`PathPiece`] are.

@@ -29,6 +29,7 @@ mod state;
 mod telemetry;
 #[cfg(test)]
 mod tests;
+mod update;
 mod violation;
 
 pub use board::{AngleReference, Board, Clock, Firmware, Registers, Start};
@@ -50,6 +51,10 @@ pub use report::{
 };
 pub use state::{Acting, State};
 pub use telemetry::{Telemetry, TelemetryFields};
+pub use update::{
+    BLOCK, IMAGE_MARK, ImageBlock, ImageHeader, UpdateOutcome, UpdateRefusal, UpdateStatus,
+    UpdateStep,
+};
 pub use violation::{Bounded, DriveFault, Fault, FaultCode, LeastDuration, Violation};
 
 use postcard_schema::Schema;

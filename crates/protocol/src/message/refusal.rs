@@ -2,6 +2,7 @@
 
 use super::Transmit;
 use super::state::State;
+use super::update::UpdateRefusal;
 use super::violation::Violation;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -137,4 +138,8 @@ pub enum Refusal<N: Number> {
         /// The motor, from 0.
         motor: u8,
     },
+    /// The image holds no code to be replaced over the line.
+    NoUpdate,
+    /// A step of an update is not taken.
+    Update(UpdateRefusal),
 }

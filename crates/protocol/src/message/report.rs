@@ -10,6 +10,7 @@ use super::refusal::Refusal;
 use super::scene::Section;
 use super::state::{Acting, State};
 use super::telemetry::Telemetry;
+use super::update::UpdateStatus;
 use super::violation::{Fault, Violation};
 use postcard_schema::Schema;
 use serde::de::DeserializeOwned;
@@ -89,6 +90,8 @@ pub enum Reply<N: Number, S = Section> {
         /// Number of the request that the machine waits for.
         missing: u32,
     },
+    /// To a question for the state of an update.
+    Update(UpdateStatus),
 }
 
 /// Identity of a machine.

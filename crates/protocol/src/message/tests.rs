@@ -70,6 +70,10 @@ fn messages_survive_the_line() {
             tool_speed: 0.1,
         }),
     });
+    survives(Request::<f32> {
+        sequence: 9,
+        command: Command::Update(UpdateStep::Block(ImageBlock::new(u32::MAX, &[0xA5; BLOCK]))),
+    });
     survives(Message::<f64>::Reply {
         sequence: 9,
         reply: Reply::Refused(Refusal::Recovery(Violation {

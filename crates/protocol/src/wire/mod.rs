@@ -53,6 +53,11 @@ fn checksum_behind(before: u32, bytes: &[u8]) -> u32 {
     digest.finalize()
 }
 
+/// Checksum of `bytes`, that of frames.
+pub fn checksum_of_bytes(bytes: &[u8]) -> u32 {
+    checksum_behind(0, bytes)
+}
+
 /// Bytes of the checksum, least significant first.
 const CHECKSUM_BYTES: usize = 4;
 

@@ -10,7 +10,7 @@ use crate::planner::PathPlanner;
 use core::sync::atomic::Ordering;
 use trirrr_core::setpoint::CurveKind;
 use trirrr_protocol::message::{
-    BATCH, Command, Content, Hello, PROTOCOL, QuinticMove, Refusal, Reply,
+    BATCH, Command, Content, Hello, PROTOCOL, QuinticMove, Refusal, Reply, State, UpdateStep,
 };
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
@@ -127,6 +127,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
                 Some(part) => Reply::Section(part),
                 None => Reply::Refused(Refusal::NoSuchLeg),
             },
+            Command::UpdateStatus => match self.scene.update_status() {
+                Some(status) => Reply::Update(status),
+                None => Reply::Refused(Refusal::NoUpdate),
+            },
             _ => Reply::Done,
         }
     }
@@ -139,10 +143,22 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         self.offer(&quintic.common, accelerations)
     }
 
+    /// Takes a step of an update while the drives are off.
+    #[inline(always)]
+    fn update(&mut self, step: Option<&UpdateStep>) -> Result<(), Refusal<N>> {
+        let step = step.ok_or(Refusal::NoUpdate)?;
+        match self.status.state {
+            State::Disabled => self.scene.update(step),
+            state => Err(Refusal::State(state)),
+        }
+    }
+
     #[inline(never)]
     fn execute(&mut self, command: &CommandOf<S>) -> Result<(), Refusal<N>> {
         match command {
-            Command::Hello(_) | Command::Status | Command::Read(_) => Ok(()),
+            Command::Hello(_) | Command::Status | Command::Read(_) | Command::UpdateStatus => {
+                Ok(())
+            }
             Command::Replace(section) => self.change(section),
             Command::Move(_)
             | Command::Quintic(_)
@@ -183,6 +199,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             Command::FeedOverride { percent } => self.override_feed(*percent),
             Command::Retarget(goal) => self.retarget(goal.content()),
             Command::Path(piece) => self.path(piece.content()),
+            Command::Update(step) => self.update(step.content()),
         }
     }
 }

@@ -18,7 +18,7 @@ use trirrr_core::model::{Model, ModelKind};
 use trirrr_core::setpoint::Quintics;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::{Section, SectionName};
-use trirrr_protocol::message::{MoveBatch, Refusal};
+use trirrr_protocol::message::{MoveBatch, Refusal, UpdateStep};
 
 /// Scene that the host can change, within the room that the model `M` has. It plays
 /// moves of the kinds `K`, and plans paths by `P`.
@@ -58,6 +58,7 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
     type Slot = Queue<Setup<M>, 2>;
     type Replacement = Section;
     type Batch = MoveBatch<N>;
+    type Update = UpdateStep;
     type Curves = K;
     type Planner = P;
     type Part = Section;

@@ -16,7 +16,7 @@ use trirrr_core::model::Model;
 use trirrr_core::setpoint::Cubics;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::{Section, SectionName};
-use trirrr_protocol::message::{Content, MoveBatch, Refusal, Unread, Written};
+use trirrr_protocol::message::{Content, MoveBatch, Refusal, Unread, UpdateStep, Written};
 
 /// Scene that cannot change. A host may have built the coefficients; the service passes the
 /// description on as it is.
@@ -72,6 +72,7 @@ where
     type Slot = NoSlot;
     type Replacement = Unread;
     type Batch = <BatchChoice<BATCHES> as ChosenBatch<N>>::Batch;
+    type Update = Unread<UpdateStep>;
     type Curves = K;
     type Planner = P;
     type Part = Written<'a>;

@@ -3,12 +3,13 @@
 //! [`Compiled`] cannot change: an image with it holds coefficients and no code to build any.
 //! [`Adjustable`] takes overrides of geometry, loads and limits while the machine is idle.
 //! [`WithLevels`] adds power lists to either, [`WithHoming`] homing, [`WithFeedback`] drives that tell where they are, [`WithContact`] the detection of contacts to that,
-//! [`WithInterlocks`] an emergency stop, a door, limit switches and a probe. The choice
+//! [`WithInterlocks`] an emergency stop, a door, limit switches and a probe, [`WithUpdate`] a program that can be replaced over
+//! the line. The choice
 //! is a type, so that a scene pays only for its own kind. Likewise the kinds of moves: cubics, or quintics beside them.
 
 /// Items of a [`Scene`] that adds nothing to those of its field `scene`, of type `S` in the number type `N`: everything but
-/// power lists, homing, feedback, contacts, retreats and interlocks.
-macro_rules! inner_machine {
+/// updates, power lists, homing, feedback, contacts, retreats and interlocks.
+macro_rules! inner_parts {
     () => {
         type N = N;
         type Model = S::Model;
@@ -54,6 +55,28 @@ macro_rules! inner_machine {
         }
     };
 }
+use inner_parts;
+
+/// Items as those of `inner_parts`, and the updates.
+macro_rules! inner_machine {
+    () => {
+        $crate::scene::inner_parts!();
+        type Update = S::Update;
+
+        #[inline(always)]
+        fn update(
+            &mut self,
+            step: &trirrr_protocol::message::UpdateStep,
+        ) -> Result<(), trirrr_protocol::message::Refusal<N>> {
+            self.scene.update(step)
+        }
+
+        #[inline(always)]
+        fn update_status(&self) -> Option<trirrr_protocol::message::UpdateStatus> {
+            self.scene.update_status()
+        }
+    };
+}
 use inner_machine;
 
 /// Items as those of `inner_machine`, and the power lists.
@@ -78,6 +101,7 @@ mod interlocked;
 mod levels;
 mod measured;
 mod slot;
+mod updated;
 
 pub use adjustable::Adjustable;
 pub use compiled::{Compiled, Parts};
@@ -87,6 +111,7 @@ pub use interlocked::WithInterlocks;
 pub use levels::WithLevels;
 pub use measured::WithFeedback;
 pub use slot::{NoSlot, Put, Slot, Take};
+pub use updated::{ImageSlot, WithUpdate};
 
 use crate::coefficients::Coefficients;
 use crate::contact::{ContactChannels, ContactCoefficients};
@@ -111,7 +136,7 @@ use trirrr_core::setpoint::Pose;
 use trirrr_core::tick::Tick;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::{Section, SectionName};
-use trirrr_protocol::message::{Content, MoveBatch, Refusal};
+use trirrr_protocol::message::{Content, MoveBatch, Refusal, UpdateStatus, UpdateStep};
 
 /// Coefficients of the tick, built from a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -158,6 +183,9 @@ pub trait Scene {
     /// Type as which a batch of moves in a request is read.
     type Batch: Content<MoveBatch<Self::N>>;
 
+    /// Type as which a step of an update in a request is read.
+    type Update: Content<UpdateStep>;
+
     /// Kinds of moves that the machine plays.
     type Curves: PlayedCurves;
 
@@ -196,6 +224,21 @@ pub trait Scene {
 
     /// Returns the part `name` in SI units; the machine is in `units`. `None` if there is no such leg.
     fn part(&self, name: SectionName, units: &Units) -> Option<Self::Part>;
+
+    /// Takes a step of an update of the program.
+    ///
+    /// # Errors
+    /// Reason why the step is not taken.
+    #[inline(always)]
+    fn update(&mut self, _: &UpdateStep) -> Result<(), Refusal<Self::N>> {
+        Err(Refusal::NoUpdate)
+    }
+
+    /// Returns the update as it stands; `None` of a program that cannot be replaced over the line.
+    #[inline(always)]
+    fn update_status(&self) -> Option<UpdateStatus> {
+        None
+    }
 
     /// Returns the levels of power for which there is room; 0 of a machine that plays no power lists.
     fn levels(&self) -> u16;

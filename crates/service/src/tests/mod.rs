@@ -19,6 +19,7 @@ mod sequence;
 mod splice;
 mod states;
 mod threads;
+mod updates;
 
 use super::*;
 use crate::admission::Enclose;

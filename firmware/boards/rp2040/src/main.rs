@@ -158,7 +158,7 @@ mod app {
             clock: Clock::Crystal,
             start,
         };
-        let (foreground, background) = trirrr_app::build(channels, board, &FIRMWARE);
+        let (foreground, background) = trirrr_app::build(channels, board, FIRMWARE);
         let parts = drives::DriveParts {
             pins: pins.drives,
             slots: pins.slots,

@@ -5,6 +5,7 @@ mod can;
 mod failures;
 mod job;
 mod power_up;
+mod update;
 
 use crate::chip::{Crystal, Kind, ResetCause};
 use crate::cpu::Board;
@@ -12,7 +13,7 @@ use crate::host::Host;
 use crate::time::{MS, SECOND, Time};
 use crate::wiring::{self, Output};
 use anyhow::{Result, ensure};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use trirrr_scene::{DriveKind, Scene};
 
 /// Clock of the watchdog's oscillator, Hz: typical, and the ends of the data sheet.
@@ -37,6 +38,8 @@ pub(crate) struct Subject {
     pub(crate) image: PathBuf,
     /// The same with a panic in its 50th tick.
     pub(crate) panicking: Option<PathBuf>,
+    /// Boot loader, and an image of another scene for the same board, where images are replaced over the line.
+    pub(crate) update: Option<[PathBuf; 2]>,
     /// File for the edges of the case `job`.
     pub(crate) dump: Option<PathBuf>,
 }
@@ -50,6 +53,8 @@ pub(crate) enum Needs {
     Protection,
     Amplifiers,
     Bus,
+    /// None: the image is replaced over the line.
+    Update,
 }
 
 /// Case of the bench.
@@ -66,7 +71,7 @@ impl Case {
 }
 
 /// All cases.
-pub(crate) const CASES: [Case; 19] = [
+pub(crate) const CASES: [Case; 20] = [
     Case::of("power-up", Needs::Any, power_up::rest),
     Case::of("crystal", Needs::Any, power_up::crystal),
     Case::of("job", Needs::Steppers, job::run),
@@ -86,6 +91,7 @@ pub(crate) const CASES: [Case; 19] = [
     Case::of("bus-off", Needs::Bus, can::wire),
     Case::of("drive", Needs::Bus, can::drive),
     Case::of("stop", Needs::Steppers, failures::stop),
+    Case::of("update", Needs::Update, update::run),
 ];
 
 impl Subject {
@@ -99,7 +105,9 @@ impl Subject {
         crystal: Crystal,
         oscillator_hz: u64,
     ) -> Result<Board> {
-        let mut board = Board::switch_on(self.kind, image, crystal, oscillator_hz)?;
+        let boot = self.update.as_ref().map(|[boot, _]| boot.as_path());
+        let images: Vec<&Path> = boot.into_iter().chain([image.as_path()]).collect();
+        let mut board = Board::switch_on(self.kind, &images, crystal, oscillator_hz)?;
         if self.has(Needs::Bus) {
             board.chip().bus = Some(crate::bus::of_scene(&self.scene)?);
         }
@@ -125,6 +133,7 @@ impl Subject {
         let kind = self.scene.drives.as_ref().map(|[first, ..]| &first.kind);
         match needs {
             Needs::Any => true,
+            Needs::Update => self.update.is_some(),
             Needs::Steppers => matches!(kind, Some(DriveKind::Stepper(_))),
             Needs::Protection => self.has(Needs::Steppers) && self.kind == Kind::Stm32f405,
             Needs::Amplifiers => matches!(kind, Some(DriveKind::Bldc(_))),

@@ -7,6 +7,7 @@ mod capture;
 mod clock;
 mod fdcan;
 mod g474;
+mod flash;
 mod interrupts;
 mod port;
 mod serial;
@@ -15,6 +16,7 @@ mod timer;
 mod watchdog;
 
 pub(crate) use clock::{ClockControl, Clocks, Crystal, ResetCause};
+pub(crate) use flash::FlashControl;
 pub(crate) use interrupts::{HARD_FAULT, Interrupts, NMI, SYS_TICK};
 pub(crate) use port::{Mode, Port};
 pub(crate) use serial::Serial;
@@ -27,6 +29,7 @@ use crate::wiring;
 use bxcan::BxCan;
 use fdcan::FdCan;
 use capture::CrystalCapture;
+use flash::FlashEffect;
 use interrupts::Effect;
 use std::collections::{BTreeMap, BTreeSet};
 use supply::Supply;
@@ -69,11 +72,9 @@ const ENCODERS: [u8; 3] = [1, 4, 5];
 const SET_VALUE_TIMER: u8 = 3;
 
 /// Registers that hold what is written and do nothing that the bench shows: address and bytes.
-const HELD: [(u32, u32); 5] = [
+const HELD: [(u32, u32); 4] = [
     // RCC: resets and clocks of peripherals, and in standby.
     (0x4002_3810, 0x60),
-    // Flash: wait states and caches. The model of time has them in its mean.
-    (0x4002_3C00, 0x18),
     // DBGMCU: what stands still under a debugger.
     (0xE004_2004, 12),
     // FPU: lazy stacking.
@@ -127,6 +128,9 @@ pub(crate) struct Chip {
     /// Bus at the controller.
     pub(crate) bus: Option<Box<dyn CanBus>>,
     supply: Supply,
+    pub(crate) flash: FlashControl,
+    /// Bytes that were erased, and not in the memory yet.
+    pub(crate) erased: Option<(u32, u32)>,
     held: BTreeMap<u32, u32>,
     /// Accesses to registers that are not modelled.
     pub(crate) unknown: BTreeSet<String>,
@@ -161,6 +165,8 @@ impl Chip {
             fd_can: FdCan::new(),
             bus: None,
             supply: Supply::new(),
+            flash: FlashControl::new(),
+            erased: None,
             held: BTreeMap::new(),
             unknown: BTreeSet::new(),
             trace: Trace::default(),
@@ -189,6 +195,7 @@ impl Chip {
         self.can = BxCan::new();
         self.fd_can = FdCan::new();
         self.supply.reset();
+        self.flash.reset();
         // What a debugger has set stays.
         self.held.retain(|address, _| *address == STANDS_AT_HALT);
         self.asks_for_reset = false;
@@ -453,6 +460,7 @@ impl Chip {
             }
             Place::Supply(offset) => self.supply.read(offset),
             Place::Lines(offset) => self.supply.read_line(offset),
+            Place::Flash(offset) => self.flash.read(offset),
             // Revision of an STM32F405: an emulator has none, and the image asks.
             Place::Identity => Some(0x1001_6413),
             Place::Held => Some(self.held.get(&address).copied().unwrap_or(0)),
@@ -531,6 +539,14 @@ impl Chip {
             }
             Place::Supply(offset) => self.supply.write(offset, value),
             Place::Lines(offset) => self.supply.write_line(offset, value),
+            Place::Flash(offset) => match self.flash.write(offset, value) {
+                FlashEffect::Erased { start, bytes, time } => {
+                    self.erased = Some((start, bytes));
+                    self.now += time;
+                    true
+                }
+                effect => effect == FlashEffect::None,
+            },
             Place::Held => {
                 self.hold(address, value);
                 true
@@ -587,6 +603,9 @@ impl Chip {
         }
         if let Some(offset) = within(0x4002_3800, 0x0C).or(within(0x4002_3874, 4).map(|_| 0x74)) {
             return Place::Clock(offset);
+        }
+        if let Some(offset) = within(0x4002_3C00, 0x18) {
+            return Place::Flash(offset);
         }
         if HELD
             .iter()
@@ -653,6 +672,7 @@ enum Place {
     OtherSerial(usize, u32),
     Supply(u32),
     Lines(u32),
+    Flash(u32),
     Identity,
     Held,
     Unknown,

@@ -8,13 +8,21 @@ use object::read::elf::{ElfFile32, ProgramHeader};
 use std::fs;
 use std::path::Path;
 
-/// Returns the content of the flash with the image of `file` in it.
-pub(super) fn load(file: &Path) -> Result<Vec<u8>> {
+/// Returns the content of the flash with the images of `files` in it.
+pub(crate) fn load(files: &[&Path]) -> Result<Vec<u8>> {
+    // Erased flash is all ones.
+    let mut flash = vec![0xFF; FLASH_BYTES as usize];
+    for file in files {
+        put(&mut flash, file)?;
+    }
+    Ok(flash)
+}
+
+/// Puts the image of `file` into the flash.
+fn put(flash: &mut [u8], file: &Path) -> Result<()> {
     let data = fs::read(file).map_err(|error| anyhow!("{}: {error}", file.display()))?;
     let elf = ElfFile32::<Endianness>::parse(&*data)
         .map_err(|error| anyhow!("{}: not a 32-bit ELF file: {error}", file.display()))?;
-    // Erased flash is all ones.
-    let mut flash = vec![0xFF; FLASH_BYTES as usize];
     for header in elf.elf_program_headers() {
         let endian = Endianness::Little;
         if header.p_type(endian) != PT_LOAD {
@@ -41,5 +49,5 @@ pub(super) fn load(file: &Path) -> Result<Vec<u8>> {
         };
         place.copy_from_slice(content);
     }
-    Ok(flash)
+    Ok(())
 }

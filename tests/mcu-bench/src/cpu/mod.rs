@@ -14,6 +14,8 @@ mod exceptions;
 mod flash;
 mod world;
 
+pub(crate) use flash::load;
+
 use crate::chip::{Chip, Crystal, Kind, NMI, ResetCause};
 use crate::time::Time;
 use crate::trace::Trace;
@@ -76,17 +78,17 @@ fn failed(error: unicorn_engine::uc_error) -> anyhow::Error {
 }
 
 impl Board {
-    /// Puts the image of `file` into the flash of a board and switches it on.
+    /// Puts the images of `files` into the flash of a board and switches it on.
     pub(crate) fn switch_on(
         kind: Kind,
-        file: &Path,
+        files: &[&Path],
         crystal: Crystal,
         oscillator_hz: u64,
     ) -> Result<Self> {
         let world = World {
             chip: Chip::new(kind, crystal, oscillator_hz),
             blocks: vec![(0, 0); FLASH_BYTES as usize / 2],
-            flash: flash::load(file)?,
+            flash: flash::load(files)?,
             must_go_on: true,
             block_begin: 0,
             accessed: false,
@@ -157,6 +159,21 @@ impl Board {
     /// Sends the program to an address.
     pub(crate) fn jump(&mut self, address: u32) -> Result<()> {
         self.put(RegisterARM::PC, address | 1)
+    }
+
+    /// Inverts a bit of the flash, as a cell that is worn out does.
+    pub(crate) fn damage(&mut self, address: u32) -> Result<()> {
+        let at = (u64::from(address) - FLASH) as usize;
+        let byte = &mut self.uc.get_data_mut().flash[at];
+        *byte ^= 1;
+        let byte = *byte;
+        self.uc.mem_write(address.into(), &[byte]).map_err(failed)
+    }
+
+    /// Returns bytes of the flash.
+    pub(crate) fn flash(&self, start: u32, bytes: usize) -> &[u8] {
+        let at = (u64::from(start) - FLASH) as usize;
+        &self.uc.get_data().flash[at..at + bytes]
     }
 
     pub(crate) fn now(&self) -> Time {

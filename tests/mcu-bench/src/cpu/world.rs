@@ -39,6 +39,13 @@ pub(crate) struct World {
 }
 
 impl World {
+    /// Forgets the blocks that begin in these bytes of the flash.
+    fn forget_blocks(&mut self, at: usize, bytes: usize) {
+        if let Some(blocks) = self.blocks.get_mut(at / 2..(at + bytes) / 2) {
+            blocks.fill((0, 0));
+        }
+    }
+
     /// Returns the number of instructions of a block.
     fn count(&mut self, address: u64, bytes: u32) -> u16 {
         let at = address.wrapping_sub(FLASH) as usize;
@@ -63,9 +70,47 @@ impl World {
     }
 }
 
+/// Erases a sector.
+fn erase(uc: &mut Unicorn<'_, World>, start: u32, bytes: u32) {
+    let world = uc.get_data_mut();
+    let at = (u64::from(start) - FLASH) as usize;
+    world.flash[at..at + bytes as usize].fill(0xFF);
+    world.forget_blocks(at, bytes as usize);
+    // The region is mapped. Code that was translated from it is none any more.
+    let _ = uc.mem_write(start.into(), &vec![0xFF; bytes as usize]);
+    let _ = uc.ctl_remove_cache(start.into(), u64::from(start) + u64::from(bytes));
+}
+
+/// Takes a store of the program to the flash. The store itself follows: a word that ends up as another one is an error of the bench, for
+/// the memory has the word that was stored.
+fn store(uc: &mut Unicorn<'_, World>, address: u64, size: usize, value: u32) {
+    let world = uc.get_data_mut();
+    let at = (address - FLASH) as usize;
+    let place = world.flash.get_mut(at..at + 4);
+    let Some(bytes) = place.and_then(|place| place.first_chunk_mut::<4>()) else {
+        return;
+    };
+    let taken = world
+        .chip
+        .flash
+        .store(u32::from_le_bytes(*bytes), value, size);
+    match taken {
+        Some((word, time)) if word == value => {
+            *bytes = word.to_le_bytes();
+            world.chip.now += time;
+            world.forget_blocks(at, 4);
+        }
+        _ => {
+            let text = format!("store of {value:#010x} to the flash at {address:#010x}");
+            world.chip.unknown.insert(text);
+        }
+    }
+}
+
 /// Maps memories and registers, and sets the hooks.
 pub(super) fn set_up(uc: &mut Unicorn<'static, World>) -> Result<(), unicorn_engine::uc_error> {
-    uc.mem_map(FLASH, FLASH_BYTES, Prot::READ | Prot::EXEC)?;
+    // Written by the hook below, and by no store that the controller does not take.
+    uc.mem_map(FLASH, FLASH_BYTES, Prot::ALL)?;
     uc.mem_map(RAM, RAM_BYTES, Prot::READ | Prot::WRITE)?;
     let flash = uc.get_data().flash.clone();
     uc.mem_write(FLASH, &flash)?;
@@ -85,10 +130,22 @@ pub(super) fn set_up(uc: &mut Unicorn<'static, World>) -> Result<(), unicorn_eng
                     let World { chip, accessed, .. } = uc.get_data_mut();
                     *accessed = true;
                     chip.write((start + offset) as u32, size, value as u32);
+                    if let Some((start, bytes)) = uc.get_data_mut().chip.erased.take() {
+                        erase(uc, start, bytes);
+                    }
                 },
             ),
         )?;
     }
+    uc.add_mem_hook(
+        HookType::MEM_WRITE,
+        FLASH,
+        FLASH + FLASH_BYTES - 1,
+        |uc, _, address, size, value| {
+            store(uc, address, size, value as u32);
+            true
+        },
+    )?;
     uc.add_block_hook(1, 0, |uc, address, bytes| {
         let world = uc.get_data_mut();
         let must = std::mem::take(&mut world.must_go_on);

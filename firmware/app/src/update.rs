@@ -1,0 +1,186 @@
+//! Update over the line, on the STM32F405: the image goes into the slot of the new one, and the boot loader installs it.
+#![allow(unsafe_code)]
+
+use crate::heartbeat;
+use crate::scene::TICK_RATE_HZ;
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use cortex_m::peripheral::{SCB, SYST};
+use trirrr_boot::stm32f405::{ChipFlash, watchdog};
+use trirrr_boot::{
+    Flash, FlashError, JournalError, Layout, ReceiveError, Receiver, Stage, WholeImage, confirm,
+    stage,
+};
+use trirrr_protocol::message::{
+    Firmware, ImageHeader, UpdateOutcome, UpdateRefusal, UpdateStatus, UpdateStep,
+};
+use trirrr_service::ImageSlot;
+
+const LAYOUT: Layout = Layout::STM32F405;
+
+/// Ticks from the answer to a restart until it: all answers are out.
+const RESTART_TICKS: u32 = (TICK_RATE_HZ / 10.0) as u32 + 1;
+
+/// A restart was asked for, in this tick.
+static RESTARTS: AtomicBool = AtomicBool::new(false);
+static ASKED_AT: AtomicU32 = AtomicU32::new(0);
+
+/// Label of the image, by which a host finds its build in the file.
+#[derive(Debug)]
+#[repr(C)]
+pub struct ImageLabel {
+    mark: [u8; 16],
+    /// Build of the image.
+    pub firmware: Firmware,
+}
+
+impl ImageLabel {
+    /// Label of an image with this build.
+    pub const fn new(firmware: Firmware) -> Self {
+        Self {
+            mark: *trirrr_protocol::message::IMAGE_MARK,
+            firmware,
+        }
+    }
+}
+
+/// Flash whose sectors are erased while the program stands: the chip has one bank, from which the program runs.
+struct StandingFlash(ChipFlash);
+
+impl StandingFlash {
+    /// Only for the background, for the time of a request.
+    fn take() -> Self {
+        // SAFETY: the background alone takes it, one at a time, and the slots hold no code that runs.
+        Self(unsafe { ChipFlash::take() })
+    }
+}
+
+impl Flash for StandingFlash {
+    fn word(&self, address: u32) -> u32 {
+        self.0.word(address)
+    }
+
+    /// Takes up to 2 s (DS8626, table 40). The watchdog has a longer period for this time, and no tick counts as late: the drives
+    /// are off.
+    fn erase(&mut self, sector: u8) -> Result<(), FlashError> {
+        cortex_m::interrupt::free(|_| {
+            let period = watchdog::set(watchdog::Period::LONGEST);
+            let result = self.0.erase(sector);
+            watchdog::set(period);
+            // SAFETY: a register that the tick's handler only reads, and no handler runs now. The count starts anew: the next tick is
+            // due in a whole period.
+            unsafe { (*SYST::PTR).cvr.write(0) };
+            SCB::clear_pendst();
+            result
+        })
+    }
+
+    // 16 us: a tick that is due meanwhile comes so much later.
+    fn program(&mut self, address: u32, word: u32) -> Result<(), FlashError> {
+        self.0.program(address, word)
+    }
+}
+
+/// Slot of the new image.
+#[derive(Debug)]
+pub struct NewImage {
+    receiver: Receiver,
+    /// Build of the program that runs.
+    firmware: &'static Firmware,
+}
+
+impl NewImage {
+    pub(crate) fn new(firmware: &'static Firmware) -> Self {
+        Self {
+            receiver: Receiver::NONE,
+            firmware,
+        }
+    }
+
+    fn begin(&mut self, header: &ImageHeader) -> Result<(), UpdateRefusal> {
+        let (own, new) = (self.firmware, &header.firmware);
+        if own.chip != new.chip {
+            return Err(UpdateRefusal::Chip);
+        }
+        if own.board != new.board {
+            return Err(UpdateRefusal::Board);
+        }
+        if header.start != LAYOUT.program.start {
+            let expected = LAYOUT.program.start;
+            return Err(UpdateRefusal::Start { expected });
+        }
+        let image = WholeImage {
+            length: header.length,
+            checksum: header.checksum,
+        };
+        self.receiver.begin(&LAYOUT, image).map_err(refusal)
+    }
+}
+
+impl ImageSlot for NewImage {
+    fn step(&mut self, step: &UpdateStep) -> Result<(), UpdateRefusal> {
+        let mut flash = StandingFlash::take();
+        match step {
+            UpdateStep::Begin(header) => self.begin(header),
+            UpdateStep::Block(block) => self
+                .receiver
+                .block(&mut flash, &LAYOUT, block.offset, block.bytes())
+                .map_err(refusal),
+            UpdateStep::Finish => self.receiver.finish(&mut flash, &LAYOUT).map_err(refusal),
+            UpdateStep::Restart => {
+                ASKED_AT.store(heartbeat::ticks(), Ordering::Relaxed);
+                RESTARTS.store(true, Ordering::Relaxed);
+                Ok(())
+            }
+        }
+    }
+
+    fn status(&self) -> UpdateStatus {
+        let outcome = match stage(&StandingFlash::take(), &LAYOUT) {
+            Stage::None => UpdateOutcome::Never,
+            // The boot loader leaves none of the other two behind.
+            Stage::Requested(_) | Stage::Saved | Stage::Installed => UpdateOutcome::Requested,
+            Stage::OnTrial => UpdateOutcome::OnTrial,
+            Stage::Confirmed => UpdateOutcome::Confirmed,
+            Stage::Reverted => UpdateOutcome::Reverted,
+        };
+        UpdateStatus {
+            start: LAYOUT.program.start,
+            room: LAYOUT.new.bytes(),
+            coming: self.receiver.image().map(|image| image.checksum),
+            received: self.receiver.received(),
+            outcome,
+        }
+    }
+}
+
+fn refusal(error: ReceiveError) -> UpdateRefusal {
+    match error {
+        ReceiveError::Length => UpdateRefusal::Length {
+            longest: LAYOUT.new.bytes(),
+        },
+        ReceiveError::NotBegun => UpdateRefusal::NotBegun,
+        ReceiveError::Offset { expected } => UpdateRefusal::Block { expected },
+        ReceiveError::Checksum { found } => UpdateRefusal::Checksum { found },
+        ReceiveError::Journal(JournalError::Full) => UpdateRefusal::JournalFull,
+        ReceiveError::Journal(JournalError::Flash(FlashError { place, status })) => {
+            UpdateRefusal::Flash { place, status }
+        }
+    }
+}
+
+/// Confirms the program that runs: a host understands it. Does nothing unless it is on trial.
+#[inline(never)]
+pub(crate) fn confirm_program() {
+    if confirm(&mut StandingFlash::take(), &LAYOUT).is_err() {
+        // Nothing is lost: the next start goes back to the old program.
+        defmt::error!("the new program cannot be confirmed");
+    }
+}
+
+/// Starts the board anew if that was asked for, and the answer is out.
+pub(crate) fn restart_if_asked() {
+    let waited = heartbeat::ticks().wrapping_sub(ASKED_AT.load(Ordering::Relaxed));
+    if RESTARTS.load(Ordering::Relaxed) && waited >= RESTART_TICKS {
+        SCB::sys_reset();
+    }
+}

@@ -1,0 +1,188 @@
+//! Journal of updates: records that are appended, of which the last counts.
+
+use crate::{Flash, FlashError, Layout, Slot, checksum_behind};
+
+/// An image by its length and its checksum.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct WholeImage {
+    /// Bytes.
+    pub length: u32,
+    /// CRC-32 of the bytes.
+    pub checksum: u32,
+}
+
+/// Stage of the last update.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stage {
+    /// There was none, or nothing is known of it.
+    None,
+    /// The new image is whole; the boot loader installs it at the next start.
+    Requested(WholeImage),
+    /// The program is saved in the slot of the old one.
+    Saved,
+    /// The new image is in place of the program, and was not started.
+    Installed,
+    /// The new program was started, and has not confirmed itself.
+    OnTrial,
+    /// The new program has confirmed itself.
+    Confirmed,
+    /// The old program is in its place again, or the new image was not installed.
+    Reverted,
+}
+
+/// A record that could not be appended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum JournalError {
+    /// No room: the boot loader makes some at the next start.
+    Full,
+    /// The flash.
+    Flash(FlashError),
+}
+
+impl From<FlashError> for JournalError {
+    fn from(error: FlashError) -> Self {
+        Self::Flash(error)
+    }
+}
+
+/// Words of a record: kind, length, checksum of the image, and checksum of these three.
+const WORDS: u32 = 4;
+
+/// Bytes of a record.
+const BYTES: u32 = 4 * WORDS;
+
+const BLANK: u32 = u32::MAX;
+
+impl Stage {
+    /// Kinds of records, far from each other and from erased flash.
+    const KINDS: [(u32, Self); 5] = [
+        (0x5341_5645, Self::Saved),
+        (0x494E_5354, Self::Installed),
+        (0x5452_4941, Self::OnTrial),
+        (0x434F_4E46, Self::Confirmed),
+        (0x5245_5645, Self::Reverted),
+    ];
+
+    const REQUESTED: u32 = 0x5245_5155;
+
+    fn record(self) -> [u32; WORDS as usize] {
+        let kind = |stage| Self::KINDS.into_iter().find(|(_, of)| *of == stage);
+        let content = match self {
+            Self::Requested(image) => [Self::REQUESTED, image.length, image.checksum],
+            stage => [kind(stage).map_or(0, |(kind, _)| kind), 0, 0],
+        };
+        let [a, b, c] = content;
+        [a, b, c, check(content)]
+    }
+
+    fn of_record([kind, length, checksum, sum]: [u32; WORDS as usize]) -> Option<Self> {
+        if sum != check([kind, length, checksum]) {
+            return None;
+        }
+        if kind == Self::REQUESTED {
+            return Some(Self::Requested(WholeImage { length, checksum }));
+        }
+        let known = Self::KINDS.into_iter().find(|(of, _)| *of == kind);
+        known.map(|(_, stage)| stage)
+    }
+
+    /// Returns true if nothing is left for the boot loader.
+    pub(crate) fn is_settled(self) -> bool {
+        matches!(self, Self::None | Self::Confirmed | Self::Reverted)
+    }
+}
+
+fn check(content: [u32; 3]) -> u32 {
+    content
+        .iter()
+        .fold(0, |sum, word| checksum_behind(sum, &word.to_le_bytes()))
+}
+
+fn records(journal: &Slot) -> impl DoubleEndedIterator<Item = u32> + use<> {
+    let start = journal.start;
+    (0..journal.bytes() / BYTES).map(move |index| start + BYTES * index)
+}
+
+fn read<F: Flash>(flash: &F, at: u32) -> [u32; WORDS as usize] {
+    [0, 4, 8, 12].map(|offset| flash.word(at + offset))
+}
+
+/// Returns true if all words of the record are erased.
+fn is_free(record: &[u32]) -> bool {
+    record.iter().all(|word| *word == BLANK)
+}
+
+/// Returns the stage of the last update.
+pub fn stage<F: Flash>(flash: &F, layout: &Layout) -> Stage {
+    let last = records(&layout.journal)
+        .rev()
+        .find_map(|at| Stage::of_record(read(flash, at)));
+    last.unwrap_or(Stage::None)
+}
+
+/// Appends a record.
+pub(crate) fn append<F: Flash>(
+    flash: &mut F,
+    layout: &Layout,
+    stage: Stage,
+) -> Result<(), JournalError> {
+    // Behind the last that is not blank: one that was cut takes its place for good.
+    let used = records(&layout.journal)
+        .rev()
+        .find(|at| !is_free(&read(flash, *at)));
+    let at = used.map_or(layout.journal.start, |used| used + BYTES);
+    if at + BYTES > layout.journal.start + layout.journal.bytes() {
+        return Err(JournalError::Full);
+    }
+    for (offset, word) in (0..).step_by(4).zip(stage.record()) {
+        flash.program(at + offset, word)?;
+    }
+    Ok(())
+}
+
+/// Erases a journal that is more than half full and settled.
+pub(crate) fn make_room<F: Flash>(flash: &mut F, layout: &Layout) -> Result<(), JournalError> {
+    let half = layout.journal.start + layout.journal.bytes() / 2;
+    let used = |flash: &F, at: u32| !is_free(&read(flash, at));
+    if !records(&layout.journal).any(|at| at >= half && used(flash, at)) {
+        return Ok(());
+    }
+    // An erasure that is cut may leave any of them. So none is valid when it begins; the last to go is the last, which is settled.
+    for at in records(&layout.journal) {
+        if used(flash, at) {
+            flash.program(at + BYTES - 4, 0)?;
+        }
+    }
+    for sector in layout.journal.sectors() {
+        flash.erase(sector)?;
+    }
+    Ok(())
+}
+
+/// Asks the boot loader to install the new image at the next start.
+///
+/// # Errors
+/// The journal is full, or the flash fails.
+pub fn request<F: Flash>(
+    flash: &mut F,
+    layout: &Layout,
+    image: WholeImage,
+) -> Result<(), JournalError> {
+    append(flash, layout, Stage::Requested(image))
+}
+
+/// Confirms the program that runs. Does nothing unless it is on trial.
+///
+/// # Errors
+/// The journal is full, or the flash fails.
+pub fn confirm<F: Flash>(flash: &mut F, layout: &Layout) -> Result<(), JournalError> {
+    match stage(flash, layout) {
+        Stage::OnTrial => append(flash, layout, Stage::Confirmed),
+        _ => Ok(()),
+    }
+}
+
+/// Returns true if there is no program in the slot.
+pub fn is_blank<F: Flash>(flash: &F, slot: &Slot) -> bool {
+    is_free(&read(flash, slot.start))
+}

@@ -1,0 +1,137 @@
+//! Image that comes over the line, block by block.
+
+use crate::journal::{self, JournalError, WholeImage};
+use crate::{Flash, FlashError, Layout, checksum_behind};
+
+/// Reason for which a part of an image is not taken.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ReceiveError {
+    /// The image is empty, or longer than a slot.
+    Length,
+    /// No image was begun.
+    NotBegun,
+    /// The block is not the next, is empty, or goes beyond the image. Only the last may have a length that is no multiple of 4.
+    Offset {
+        /// Offset of the next block.
+        expected: u32,
+    },
+    /// The image has another checksum than its beginning said.
+    Checksum {
+        /// Checksum of the bytes in the flash.
+        found: u32,
+    },
+    /// The journal.
+    Journal(JournalError),
+}
+
+impl From<FlashError> for ReceiveError {
+    fn from(error: FlashError) -> Self {
+        Self::Journal(JournalError::Flash(error))
+    }
+}
+
+/// Image that comes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Receiver {
+    image: Option<WholeImage>,
+    /// Bytes that are in the flash, and their checksum.
+    received: u32,
+    sum: u32,
+}
+
+impl Receiver {
+    /// No image.
+    pub const NONE: Self = Self {
+        image: None,
+        received: 0,
+        sum: 0,
+    };
+
+    /// The image that comes.
+    pub fn image(&self) -> Option<WholeImage> {
+        self.image
+    }
+
+    /// Bytes that are in the flash: the offset of the next block.
+    pub fn received(&self) -> u32 {
+        self.received
+    }
+
+    /// Begins an image. One that is under way is dropped. Writes nothing.
+    ///
+    /// # Errors
+    /// No image, or a longer one than a slot.
+    pub fn begin(&mut self, layout: &Layout, image: WholeImage) -> Result<(), ReceiveError> {
+        if image.length == 0 || image.length > layout.new.bytes() {
+            return Err(ReceiveError::Length);
+        }
+        *self = Self {
+            image: Some(image),
+            ..Self::NONE
+        };
+        Ok(())
+    }
+
+    /// Takes the next block. Erases each sector of the slot as the first byte of it comes.
+    ///
+    /// # Errors
+    /// Another block than the next. A flash that fails: then the image is to be begun again.
+    pub fn block<F: Flash>(
+        &mut self,
+        flash: &mut F,
+        layout: &Layout,
+        offset: u32,
+        bytes: &[u8],
+    ) -> Result<(), ReceiveError> {
+        let image = self.image.ok_or(ReceiveError::NotBegun)?;
+        let left = image.length - self.received;
+        let length = bytes.len() as u32;
+        let is_last = length == left;
+        if offset != self.received
+            || length == 0
+            || length > left
+            || !(is_last || length.is_multiple_of(4))
+        {
+            return Err(ReceiveError::Offset {
+                expected: self.received,
+            });
+        }
+        let slot = &layout.new;
+        let mut sum = self.sum;
+        for (place, part) in (offset..).step_by(4).zip(bytes.chunks(4)) {
+            if place.is_multiple_of(slot.sector_bytes) {
+                flash.erase(slot.first_sector + (place / slot.sector_bytes) as u8)?;
+            }
+            let mut word = [0xFF; 4];
+            for (to, from) in word.iter_mut().zip(part) {
+                *to = *from;
+            }
+            flash.program(slot.start + place, u32::from_le_bytes(word))?;
+            // Of what is in the flash, not of what came.
+            let read = flash.word(slot.start + place).to_le_bytes();
+            sum = checksum_behind(sum, read.get(..part.len()).unwrap_or(&read));
+        }
+        self.sum = sum;
+        self.received += length;
+        Ok(())
+    }
+
+    /// Ends the image: compares its checksum, and asks the boot loader for it.
+    ///
+    /// # Errors
+    /// Bytes are missing, the checksum is another, or the journal has no room.
+    pub fn finish<F: Flash>(&mut self, flash: &mut F, layout: &Layout) -> Result<(), ReceiveError> {
+        let image = self.image.ok_or(ReceiveError::NotBegun)?;
+        if self.received != image.length {
+            return Err(ReceiveError::Offset {
+                expected: self.received,
+            });
+        }
+        let found = self.sum;
+        *self = Self::NONE;
+        if found != image.checksum {
+            return Err(ReceiveError::Checksum { found });
+        }
+        journal::request(flash, layout, image).map_err(ReceiveError::Journal)
+    }
+}

@@ -1,0 +1,228 @@
+//! `trirrr update`: replaces the program of a board over its line.
+
+use crate::failure::CliError;
+use crate::stream::{Port, PortArgs, conversation, patience};
+use crate::terminal::print;
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use object::Endianness;
+use object::elf::PT_LOAD;
+use object::read::elf::{ElfFile32, ProgramHeader};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use trirrr_client::{ProgramImage, UpdateAction, UpdateClient, describe};
+
+/// Longest wait for the board before Ctrl-C is looked at.
+const LOOK: Duration = Duration::from_millis(20);
+
+/// Time without the port, or without an answer, after which the command gives up.
+const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Most bytes of an image: more is no file for a microcontroller.
+const LARGEST: u32 = 16 << 20;
+
+/// `trirrr update`.
+///
+/// Replaces the program of a board over its line: by one of another version, or of another scene. The board tries it once, and keeps it if
+/// this command can talk to it. Otherwise the board goes back to its program of before.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = "\
+The image is built by `SCENE=... BOARD=... cargo fw` from a scene with `update = true` in [service]. The drives have to be off. A line that is \
+lost, or Ctrl-C, leaves the old program; the same command goes on where the line was lost. See docs/board.md, Update.")]
+pub struct UpdateArgs {
+    /// Image of the new program, the ELF file that `cargo fw` builds
+    pub image: PathBuf,
+    /// The line to the board.
+    #[command(flatten)]
+    pub line: PortArgs,
+}
+
+/// Replaces the program.
+///
+/// # Errors
+/// Refused: the image, or by the board. Failed: the port, or a new program that does not run.
+pub fn command(args: &UpdateArgs, stop: &AtomicBool) -> Result<(), CliError> {
+    let image = read(&args.image)?;
+    let header = *image.header();
+    print(&format!(
+        "image       {}, {} bytes\n",
+        describe::board::firmware(&header.firmware),
+        header.length
+    ))?;
+    // Nothing of this conversation depends on the number type of the machine.
+    let mut client = UpdateClient::<f64>::new(image, patience(PATIENCE), conversation());
+    let mut port = Port::open(&args.line, PATIENCE)?;
+    let start = Instant::now();
+    let bar = bar(header.length);
+    let mut is_told = false;
+    loop {
+        if stop.load(Ordering::Relaxed) {
+            bar.abandon();
+            return Err(CliError::Failed(
+                "ended by Ctrl-C: the board keeps its program".into(),
+            ));
+        }
+        if let (Some(identity), false) = (client.identity(), is_told) {
+            is_told = true;
+            let firmware = describe::board::firmware(&identity.firmware);
+            bar.suspend(|| print(&format!("board       {firmware}\n")))?;
+        }
+        bar.set_position(client.progress().0.into());
+        if client.is_restarting() {
+            bar.set_message("the board installs it");
+        }
+        match client.poll(start.elapsed()) {
+            UpdateAction::Send(request) => {
+                if let Err(error) = port.send(&request) {
+                    reopen(&mut port, &mut client, &error.to_string(), stop)?;
+                }
+            }
+            UpdateAction::Wait(until) => {
+                let wait = until.saturating_sub(start.elapsed()).min(LOOK);
+                match port.receive::<f64>(wait) {
+                    Ok(messages) => {
+                        for message in messages {
+                            client.receive(&message, start.elapsed());
+                        }
+                    }
+                    Err(error) => reopen(&mut port, &mut client, &error.to_string(), stop)?,
+                }
+            }
+            UpdateAction::Lost => {
+                reopen(&mut port, &mut client, "the board does not answer", stop)?
+            }
+            UpdateAction::Finished(result) => {
+                bar.finish_and_clear();
+                result.map_err(|failure| CliError::Failed(failure.describe()))?;
+                break;
+            }
+        }
+    }
+    let identity = client.identity();
+    let runs = identity.map_or_else(String::new, |identity| {
+        format!(
+            "{}; scene {}",
+            describe::board::firmware(&identity.firmware),
+            describe::board::name(&identity.name)
+        )
+    });
+    print(&format!("runs        {runs}\n"))
+}
+
+fn reopen(
+    port: &mut Port,
+    client: &mut UpdateClient<f64>,
+    why: &str,
+    stop: &AtomicBool,
+) -> Result<(), CliError> {
+    port.reopen(why, stop).map_err(CliError::Failed)?;
+    client.reconnected();
+    Ok(())
+}
+
+fn bar(length: u32) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(length.into()), ProgressDrawTarget::stderr());
+    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {bytes}/{total_bytes} {msg}") {
+        bar.set_style(style);
+    }
+    bar
+}
+
+/// Reads the ELF file of an image.
+///
+/// # Errors
+/// Refused: no such file, or no image that is replaced over the line.
+fn read(file: &Path) -> Result<ProgramImage, CliError> {
+    let refused = |why: &str| CliError::Refused(format!("{}: {why}", file.display()));
+    let data = std::fs::read(file).map_err(|error| refused(&error.to_string()))?;
+    let (start, bytes) = content(&data).map_err(|why| refused(&why))?;
+    ProgramImage::new(start, bytes).ok_or_else(|| {
+        refused(
+            "no image that is replaced over the line: build it by `cargo fw` from a scene with update = true in [service]",
+        )
+    })
+}
+
+/// First address of an image, and what lies in the flash from there on.
+fn content(data: &[u8]) -> Result<(u32, Vec<u8>), String> {
+    let elf = ElfFile32::<Endianness>::parse(data).map_err(|error| {
+        format!("no ELF file of a 32-bit processor ({error}): give the one that `cargo fw` builds")
+    })?;
+    let endian = Endianness::Little;
+    let mut parts = Vec::new();
+    for header in elf.elf_program_headers() {
+        if header.p_type(endian) == PT_LOAD && header.p_filesz(endian) > 0 {
+            let bytes = header
+                .data(endian, data)
+                .map_err(|()| "a segment is cut off".to_owned())?;
+            parts.push((header.p_paddr(endian), bytes));
+        }
+    }
+    parts.sort_unstable_by_key(|(at, _)| *at);
+    let start = parts.first().map_or(0, |(at, _)| *at);
+    let mut content = Vec::new();
+    for (at, bytes) in parts {
+        let gap = (at - start).checked_sub(content.len() as u32);
+        let Some(gap) = gap.filter(|gap| *gap < LARGEST) else {
+            return Err("its segments overlap, or lie too far apart for one flash".into());
+        };
+        // Between segments the flash stays erased.
+        content.resize(content.len() + gap as usize, 0xFF);
+        content.extend_from_slice(bytes);
+    }
+    Ok((start, content))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An ELF file of segments without sections.
+    fn elf(segments: &[(u32, &[u8])]) -> Vec<u8> {
+        let mut header = vec![0x7F, b'E', b'L', b'F', 1, 1, 1];
+        header.resize(16, 0);
+        let half = |value: u16| value.to_le_bytes();
+        header.extend([half(2), half(40)].concat());
+        header.extend(
+            [1, 0x0802_0001_u32, 52, 0, 0]
+                .map(u32::to_le_bytes)
+                .concat(),
+        );
+        header.extend([52, 32, segments.len() as u16, 40, 0, 0].map(half).concat());
+        let mut at = (52 + 32 * segments.len()) as u32;
+        for (address, bytes) in segments {
+            let length = bytes.len() as u32;
+            let words = [PT_LOAD.0, at, *address, *address, length, length, 4, 4];
+            header.extend(words.map(u32::to_le_bytes).concat());
+            at += length;
+        }
+        segments.iter().for_each(|(_, bytes)| header.extend(*bytes));
+        header
+    }
+
+    #[test]
+    fn an_image_is_what_lies_in_the_flash() {
+        // In any order, with a gap.
+        let file = elf(&[(0x0802_0006, b"def"), (0x0802_0000, b"abcd")]);
+        let expected = b"abcd\xFF\xFFdef".to_vec();
+        assert_eq!(content(&file), Ok((0x0802_0000, expected)));
+    }
+
+    #[test]
+    fn what_is_no_image_is_refused_with_what_to_do() {
+        assert!(content(b"text").is_err_and(|why| why.contains("cargo fw")));
+        let overlap = elf(&[(0x0802_0000, b"abcd"), (0x0802_0002, b"def")]);
+        assert!(content(&overlap).is_err_and(|why| why.contains("overlap")));
+        let folder = tempfile::tempdir().expect("a folder for a test");
+        let file = folder.path().join("image.elf");
+        std::fs::write(&file, elf(&[(0x0800_0000, b"abcd")])).expect("a file of a test");
+        let refused = read(&file).expect_err("no label");
+        assert_eq!(refused.exit_code(), 2);
+        let text = refused.to_string();
+        assert!(
+            text.contains("image.elf") && text.contains("update = true"),
+            "{text}"
+        );
+    }
+}
