@@ -149,6 +149,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let step = step.ok_or(Refusal::NoUpdate)?;
         match self.status.state {
             State::Disabled => self.scene.update(step),
+            // No state would help.
+            _ if self.scene.update_status().is_none() => Err(Refusal::NoUpdate),
             state => Err(Refusal::State(state)),
         }
     }
