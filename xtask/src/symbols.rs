@@ -102,7 +102,7 @@ const MARKS: &[Mark] = &[
     },
     Mark {
         what: "a status lamp",
-        names: &["8WithLamp"],
+        names: &["7LampPin"],
         used: |scene| scene.has_lamp,
     },
     Mark {
@@ -261,7 +261,7 @@ mod tests {
             ("_RNv6homing12coefficients10WithHoming", "homing"),
             ("_RNv5scene11interlocked14WithInterlocks", "interlocks"),
             ("_RNv5interlock5probe10ProbeLatch4read", "a probe"),
-            ("_RNv4lamp8WithLamp4show", "a status lamp"),
+            ("_RNv4lamp7LampPin4show", "a status lamp"),
             ("_RNv6levels4list10MoveLevels", "power lists"),
             (
                 "_RNv8switches13RuledSwitches6closed",

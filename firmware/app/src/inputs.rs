@@ -2,11 +2,11 @@
 
 use crate::scene::Scalar;
 use crate::service::ImageScene;
-#[cfg(interlocks)]
+#[cfg(any(homing, interlocks))]
 use core::convert::Infallible;
 #[cfg(interlocks)]
 use core::marker::PhantomData;
-#[cfg(interlocks)]
+#[cfg(any(homing, interlocks))]
 use embedded_hal::digital::InputPin;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::tick::Motor;
@@ -51,6 +51,25 @@ impl Inputs for NoInputs {
     fn read(&mut self, _: &[Motor<Scalar>; 3]) -> Closed {}
 }
 
+/// Switch or stall output of motor 1, 2, 3, at inputs that are pulled up.
+#[cfg(homing)]
+pub struct HomingSwitches<A, B, C>(pub A, pub B, pub C);
+
+#[cfg(homing)]
+impl<A, B, C> Inputs for HomingSwitches<A, B, C>
+where
+    A: InputPin<Error = Infallible>,
+    B: InputPin<Error = Infallible>,
+    C: InputPin<Error = Infallible>,
+{
+    #[inline(always)]
+    fn read(&mut self, _: &[Motor<Scalar>; 3]) -> Closed {
+        let Self(first, second, third) = self;
+        [first.is_high(), second.is_high(), third.is_high()]
+            .map(|Ok(high)| high == crate::scene::HOMING_ACTIVE_HIGH)
+    }
+}
+
 /// A contact to ground at an input that is pulled up.
 #[cfg(interlocks)]
 pub trait InterlockInput {
@@ -58,7 +77,7 @@ pub trait InterlockInput {
     fn is_active(&mut self) -> bool;
 }
 
-/// Pin that the scene does not name: it is left alone.
+/// Pin `P` that the scene does not name: it is left alone.
 #[cfg(interlocks)]
 pub struct NoInterlockPin<P>(PhantomData<P>);
 
@@ -78,7 +97,7 @@ impl<P> InterlockInput for NoInterlockPin<P> {
     }
 }
 
-/// Contact at a pin. `HIGH`: the input is active while the pin is high, which it is where the wire breaks.
+/// Contact at the pin `P`. `HIGH`: the input is active while the pin is high, which it is where the wire breaks.
 #[cfg(interlocks)]
 pub struct InterlockPin<P, const HIGH: bool>(P);
 
@@ -113,68 +132,12 @@ pub type DoorLine<P> = InterlockPin<P, { crate::scene::DOOR_OPEN_HIGH }>;
 #[cfg(all(interlocks, not(door)))]
 pub type DoorLine<P> = NoInterlockPin<P>;
 
-/// Inputs beside the contacts of emergency stop and door.
-#[cfg(interlocks)]
-pub struct WithInterlockPins<I, S, D> {
-    /// Everything else.
-    pub inputs: I,
-    /// Contact of the emergency stop.
-    pub stop: S,
-    /// Contact of the door.
-    pub door: D,
-}
-
-#[cfg(interlocks)]
-impl<I: Inputs, S: InterlockInput, D: InterlockInput> Inputs for WithInterlockPins<I, S, D> {
-    #[inline(always)]
-    fn read(&mut self, motors: &[Motor<Scalar>; 3]) -> Closed {
-        self.inputs.read(motors)
-    }
-
-    #[inline(always)]
-    fn interlocks(&mut self) -> Interlocked {
-        trirrr_service::InterlockReadings {
-            emergency_stop: self.stop.is_active(),
-            door: self.door.is_active(),
-            ..Default::default()
-        }
-    }
-
-    #[inline(always)]
-    fn shift(&mut self, by: [Angle; 3]) {
-        self.inputs.shift(by);
-    }
-}
-
 /// The probe at the pin `P`, if the scene names one.
 #[cfg(probe)]
 pub type ProbeLine<P> = InterlockPin<P, { crate::scene::PROBE_TOUCHES_HIGH }>;
 /// The scene names no probe.
 #[cfg(all(interlocks, not(probe)))]
 pub type ProbeLine<P> = NoInterlockPin<P>;
-
-/// Source of the limit switches.
-#[cfg(interlocks)]
-pub trait LimitSource {
-    /// Keeps the homing switches of the tick, where the limit switches are those.
-    #[inline(always)]
-    fn keep(&mut self, _: Closed) {}
-
-    /// Returns true for each motor on its limit switch.
-    fn limits(&mut self) -> [bool; 3];
-}
-
-/// Limit switches at pins of their own, or none where all are [`NoInterlockPin`].
-#[cfg(interlocks)]
-pub struct LimitPins<A, B, C>(pub A, pub B, pub C);
-
-#[cfg(interlocks)]
-impl<A: InterlockInput, B: InterlockInput, C: InterlockInput> LimitSource for LimitPins<A, B, C> {
-    #[inline(always)]
-    fn limits(&mut self) -> [bool; 3] {
-        [self.0.is_active(), self.1.is_active(), self.2.is_active()]
-    }
-}
 
 /// A limit switch at the pin `P`, if the scene names those with pins of their own.
 #[cfg(limits)]
@@ -183,86 +146,101 @@ pub type MotorLimitLine<P> = InterlockPin<P, { crate::scene::LIMITS_HIGH }>;
 #[cfg(all(interlocks, not(limits)))]
 pub type MotorLimitLine<P> = NoInterlockPin<P>;
 
-/// Limit switches of this image.
-#[cfg(all(interlocks, not(limits_at_homing)))]
-pub type LimitSwitchesOf<A, B, C> =
-    LimitPins<MotorLimitLine<A>, MotorLimitLine<B>, MotorLimitLine<C>>;
-/// Limit switches of this image: those of homing.
-#[cfg(limits_at_homing)]
-pub type LimitSwitchesOf<A, B, C> =
-    HomingLimits<LimitPins<MotorLimitLine<A>, MotorLimitLine<B>, MotorLimitLine<C>>>;
-
-/// Limit switches of this image at these pins, which are left alone where the limit switches are those of homing.
+/// Limit switch of motor 1, 2, 3 at a pin of its own, if the scene names those.
 #[cfg(interlocks)]
-#[inline(always)]
-pub fn limit_switches<A, B, C>(
-    first: MotorLimitLine<A>,
-    second: MotorLimitLine<B>,
-    third: MotorLimitLine<C>,
-) -> LimitSwitchesOf<A, B, C> {
-    let pins = LimitPins(first, second, third);
+pub struct LimitSwitches<A, B, C> {
+    own: (MotorLimitLine<A>, MotorLimitLine<B>, MotorLimitLine<C>),
+    /// Homing switches of the tick, where the limit switches are those.
     #[cfg(limits_at_homing)]
-    let pins = HomingLimits {
-        closed: Default::default(),
-        _pins: pins,
-    };
-    pins
-}
-
-/// Limit switches that are those of homing.
-#[cfg(limits_at_homing)]
-pub struct HomingLimits<P> {
     closed: Closed,
-    _pins: P,
 }
 
-#[cfg(limits_at_homing)]
-impl<P> LimitSource for HomingLimits<P> {
-    #[inline(always)]
-    fn keep(&mut self, closed: Closed) {
-        self.closed = closed;
-    }
-
-    #[inline(always)]
-    fn limits(&mut self) -> [bool; 3] {
-        self.closed
-    }
-}
-
-/// Inputs beside the contacts of probe and limit switches.
 #[cfg(interlocks)]
-pub struct WithTouchPins<I, P, L> {
-    /// Everything else.
-    pub inputs: I,
-    /// Contact of the probe.
-    pub probe: P,
+impl<A, B, C> LimitSwitches<A, B, C> {
+    /// Switches at the pins that these make inputs, of which an image calls those that its scene names.
+    pub fn at(
+        first: impl FnOnce() -> A,
+        second: impl FnOnce() -> B,
+        third: impl FnOnce() -> C,
+    ) -> Self {
+        Self {
+            own: (
+                MotorLimitLine::at(first),
+                MotorLimitLine::at(second),
+                MotorLimitLine::at(third),
+            ),
+            #[cfg(limits_at_homing)]
+            closed: Default::default(),
+        }
+    }
+}
+
+#[cfg(interlocks)]
+impl<A, B, C> LimitSwitches<A, B, C>
+where
+    A: InputPin<Error = Infallible>,
+    B: InputPin<Error = Infallible>,
+    C: InputPin<Error = Infallible>,
+{
+    /// Returns true for each motor on its limit switch.
+    #[inline(always)]
+    fn are_active(&mut self) -> [bool; 3] {
+        let (first, second, third) = &mut self.own;
+        let active = [first.is_active(), second.is_active(), third.is_active()];
+        #[cfg(limits_at_homing)]
+        let active = [0, 1, 2].map(|i| active[i] || self.closed[i]);
+        active
+    }
+}
+
+/// Switches of homing `I` beside the contacts `C` of emergency stop, door and probe, and the limit switches `L`.
+#[cfg(interlocks)]
+pub struct GuardedInputs<I, C, L> {
+    /// Switches of homing.
+    pub homing: I,
+    /// Contacts of emergency stop, door and probe.
+    pub contacts: C,
     /// Limit switches.
     pub limits: L,
 }
 
 #[cfg(interlocks)]
-impl<I: Inputs, P: InterlockInput, L: LimitSource> Inputs for WithTouchPins<I, P, L> {
+impl<I, S, D, P, A, B, C> Inputs for GuardedInputs<I, (S, D, P), LimitSwitches<A, B, C>>
+where
+    I: Inputs,
+    S: InterlockInput,
+    D: InterlockInput,
+    P: InterlockInput,
+    A: InputPin<Error = Infallible>,
+    B: InputPin<Error = Infallible>,
+    C: InputPin<Error = Infallible>,
+{
     // A unit without homing.
     #[allow(clippy::let_unit_value, clippy::unit_arg)]
     #[inline(always)]
     fn read(&mut self, motors: &[Motor<Scalar>; 3]) -> Closed {
-        let closed = self.inputs.read(motors);
-        self.limits.keep(closed);
+        let closed = self.homing.read(motors);
+        #[cfg(limits_at_homing)]
+        {
+            self.limits.closed = closed;
+        }
         closed
     }
 
     #[inline(always)]
     fn interlocks(&mut self) -> Interlocked {
+        let (stop, door, probe) = &mut self.contacts;
         Interlocked {
-            probe: self.probe.is_active(),
-            limits: self.limits.limits(),
-            ..self.inputs.interlocks()
+            emergency_stop: stop.is_active(),
+            door: door.is_active(),
+            probe: probe.is_active(),
+            limits: self.limits.are_active(),
         }
     }
 
     #[inline(always)]
     fn shift(&mut self, by: [Angle; 3]) {
-        self.inputs.shift(by);
+        self.homing.shift(by);
     }
 }
 

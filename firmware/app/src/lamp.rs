@@ -1,11 +1,8 @@
 //! Status lamp: off, steady or blinking, by the state of the machine.
 
-use crate::inputs::Angle;
-use crate::outputs::Outputs;
-use crate::scene::{Scalar, TICK_RATE_HZ};
-use crate::service::{Output, Readings};
+use crate::outputs::OutputPart;
+use crate::scene::TICK_RATE_HZ;
 use embedded_hal::digital::OutputPin;
-use trirrr_drives::Failure;
 use trirrr_protocol::message::State;
 
 /// Ticks of a half period: 1 Hz in motion, 4 Hz in a fault. A machine of few ticks blinks as fast as it can.
@@ -20,22 +17,20 @@ const fn half_period(hz: f64) -> u32 {
     }
 }
 
-/// Outputs beside the pin of a lamp, which is high while the lamp is on.
-pub struct WithLamp<O, P> {
-    outputs: O,
+/// Pin of a lamp, which is high while the lamp is on.
+pub struct LampPin<P> {
     pin: P,
     is_on: bool,
     /// Ticks since the lamp has changed.
     ticks: u32,
 }
 
-impl<O: Outputs, P: OutputPin> WithLamp<O, P> {
+impl<P: OutputPin> LampPin<P> {
     /// Switches the lamp off.
-    pub fn new(outputs: O, mut pin: P) -> Self {
+    pub fn new(mut pin: P) -> Self {
         // A pin of the chip itself does not fail.
         let _ = pin.set_low();
         Self {
-            outputs,
             pin,
             is_on: false,
             ticks: 0,
@@ -66,32 +61,7 @@ impl<O: Outputs, P: OutputPin> WithLamp<O, P> {
     }
 }
 
-impl<O: Outputs, P: OutputPin> Outputs for WithLamp<O, P> {
-    #[inline(always)]
-    fn measure(&mut self) -> Readings {
-        self.outputs.measure()
-    }
-
-    #[inline(always)]
-    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
-        self.outputs.apply(output)
-    }
-
-    #[inline(always)]
-    fn angles(&self) -> Option<[Angle; 3]> {
-        self.outputs.angles()
-    }
-
-    #[inline(always)]
-    fn shift(&mut self, by: [Angle; 3]) {
-        self.outputs.shift(by);
-    }
-
-    #[inline(always)]
-    fn work(&mut self, power: Scalar, runs: bool) {
-        self.outputs.work(power, runs);
-    }
-
+impl<P: OutputPin> OutputPart for LampPin<P> {
     #[inline]
     fn show(&mut self, state: State) {
         let is_lit = self.is_lit(state);
@@ -99,9 +69,6 @@ impl<O: Outputs, P: OutputPin> Outputs for WithLamp<O, P> {
             return;
         }
         (self.is_on, self.ticks) = (is_lit, 0);
-        let _ = match is_lit {
-            true => self.pin.set_high(),
-            false => self.pin.set_low(),
-        };
+        let _ = self.pin.set_state(is_lit.into());
     }
 }

@@ -60,7 +60,7 @@ pub use background::Background;
 #[cfg(target_os = "none")]
 pub use heartbeat::WATCHDOG_MS;
 #[cfg(all(target_os = "none", lamp))]
-pub use lamp::WithLamp;
+pub use lamp::LampPin;
 #[cfg(target_os = "none")]
 pub use line::{BAUD, LOG_BAUD, RECEIVED};
 #[cfg(target_os = "none")]

@@ -169,92 +169,129 @@ impl<D: Outputs> Outputs for OrEmulated<D> {
     }
 }
 
-/// Outputs beside the pin of a brake, which is high while the brake is released.
-#[cfg(brake)]
-pub struct Braked<O, P> {
-    outputs: O,
-    pin: P,
-}
-
-#[cfg(brake)]
-impl<O: Outputs, P: OutputPin> Braked<O, P> {
-    /// Puts the brake on.
-    pub fn new(outputs: O, mut pin: P) -> Self {
-        // A pin of the chip itself does not fail.
-        let _ = pin.set_low();
-        Self { outputs, pin }
-    }
-}
-
-#[cfg(brake)]
-impl<O: Outputs, P: OutputPin> Outputs for Braked<O, P> {
+/// Output beside the drives: a brake, a tool, a lamp. `()` is none.
+pub trait OutputPart {
+    /// Carries out the output of a tick, before the drives do.
     #[inline(always)]
-    fn measure(&mut self) -> Readings {
-        self.outputs.measure()
+    fn apply(&mut self, output: &Output) {
+        let _ = output;
     }
 
+    /// As [`Outputs::work`].
     #[inline(always)]
-    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
-        let _ = match output.brake_released {
-            true => self.pin.set_high(),
-            false => self.pin.set_low(),
-        };
-        self.outputs.apply(output)
+    fn work(&mut self, power: Scalar, runs: bool) {
+        let _ = (power, runs);
     }
 
+    /// As [`Outputs::show`].
     #[inline(always)]
-    fn angles(&self) -> Option<[Angle; 3]> {
-        self.outputs.angles()
-    }
-
-    #[inline(always)]
-    fn shift(&mut self, by: [Angle; 3]) {
-        self.outputs.shift(by);
+    fn show(&mut self, state: State) {
+        let _ = state;
     }
 }
 
-/// Outputs beside that of the tool.
-#[cfg(not(tool = "none"))]
-pub struct Tooled<O, T> {
-    outputs: O,
-    tool: ToolLine<T, { crate::scene::tool::DELAY }>,
-}
+impl OutputPart for () {}
 
-#[cfg(not(tool = "none"))]
-impl<O: Outputs, T: ToolOutput> Tooled<O, T> {
-    /// Joins the outputs with that of the tool, which is off.
-    pub fn new(outputs: O, tool: T) -> Self {
-        Self {
-            outputs,
-            tool: ToolLine::new(tool, crate::scene::tool::HOLDS),
-        }
-    }
-}
-
-#[cfg(not(tool = "none"))]
-impl<O: Outputs, T: ToolOutput> Outputs for Tooled<O, T> {
+impl<A: OutputPart, B: OutputPart, C: OutputPart> OutputPart for (A, B, C) {
     #[inline(always)]
-    fn measure(&mut self) -> Readings {
-        self.outputs.measure()
-    }
-
-    #[inline(always)]
-    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
-        self.outputs.apply(output)
-    }
-
-    #[inline(always)]
-    fn angles(&self) -> Option<[Angle; 3]> {
-        self.outputs.angles()
-    }
-
-    #[inline(always)]
-    fn shift(&mut self, by: [Angle; 3]) {
-        self.outputs.shift(by);
+    fn apply(&mut self, output: &Output) {
+        self.0.apply(output);
+        self.1.apply(output);
+        self.2.apply(output);
     }
 
     #[inline(always)]
     fn work(&mut self, power: Scalar, runs: bool) {
-        self.tool.apply(power, runs);
+        self.0.work(power, runs);
+        self.1.work(power, runs);
+        self.2.work(power, runs);
+    }
+
+    #[inline(always)]
+    fn show(&mut self, state: State) {
+        self.0.show(state);
+        self.1.show(state);
+        self.2.show(state);
+    }
+}
+
+/// Drives `D` and the parts `P` beside them.
+pub struct WithParts<D, P> {
+    /// Drives.
+    pub drives: D,
+    /// Everything beside them.
+    pub parts: P,
+}
+
+impl<D: Outputs, P: OutputPart> Outputs for WithParts<D, P> {
+    #[inline(always)]
+    fn measure(&mut self) -> Readings {
+        self.drives.measure()
+    }
+
+    #[inline(always)]
+    fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
+        self.parts.apply(output);
+        self.drives.apply(output)
+    }
+
+    #[inline(always)]
+    fn angles(&self) -> Option<[Angle; 3]> {
+        self.drives.angles()
+    }
+
+    #[inline(always)]
+    fn shift(&mut self, by: [Angle; 3]) {
+        self.drives.shift(by);
+    }
+
+    #[inline(always)]
+    fn work(&mut self, power: Scalar, runs: bool) {
+        self.parts.work(power, runs);
+    }
+
+    #[inline(always)]
+    fn show(&mut self, state: State) {
+        self.parts.show(state);
+    }
+}
+
+/// Pin of a brake, which is high while the brake is released.
+#[cfg(brake)]
+pub struct BrakePin<P>(P);
+
+#[cfg(brake)]
+impl<P: OutputPin> BrakePin<P> {
+    /// Puts the brake on.
+    pub fn new(mut pin: P) -> Self {
+        // A pin of the chip itself does not fail.
+        let _ = pin.set_low();
+        Self(pin)
+    }
+}
+
+#[cfg(brake)]
+impl<P: OutputPin> OutputPart for BrakePin<P> {
+    #[inline(always)]
+    fn apply(&mut self, output: &Output) {
+        let _ = self.0.set_state(output.brake_released.into());
+    }
+}
+
+/// Line to the tool at the output `T`.
+#[cfg(not(tool = "none"))]
+pub type SceneTool<T> = ToolLine<T, { crate::scene::tool::DELAY }>;
+
+/// Starts the line to a tool that is off.
+#[cfg(not(tool = "none"))]
+pub fn tool_line<T: ToolOutput>(tool: T) -> SceneTool<T> {
+    ToolLine::new(tool, crate::scene::tool::HOLDS)
+}
+
+#[cfg(not(tool = "none"))]
+impl<T: ToolOutput> OutputPart for SceneTool<T> {
+    #[inline(always)]
+    fn work(&mut self, power: Scalar, runs: bool) {
+        self.apply(power, runs);
     }
 }

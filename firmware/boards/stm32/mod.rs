@@ -3,15 +3,16 @@
 
 pub(crate) mod board;
 pub(crate) mod clocking;
+#[path = "../common/mod.rs"]
+mod common;
 pub(crate) mod counts;
 pub(crate) mod fault_status;
-#[cfg(interlocks)]
-pub(crate) mod interlocks;
 pub(crate) mod pins;
 mod program;
-pub(crate) mod switches;
 #[cfg(not(tool = "none"))]
 pub(crate) mod tool;
+
+pub(crate) use common::*;
 
 use crate::clock::Clocks;
 use crate::parts::{DrivePeripherals, Ports, Rcc, StoppedWatchdog, ToolCounter};

@@ -6,27 +6,12 @@
 #![allow(dead_code)]
 
 use crate::gpio::{InputMode, OutputMode, Pin, PortRegisters, Pull};
+use crate::wiring::BoardPin;
 use core::convert::Infallible;
 use embedded_hal::digital::{ErrorType, InputPin, OutputPin};
-use trirrr_app::pins::NoPin;
 
-/// Pin of a board file.
-pub(crate) trait BoardPin {
-    /// The wiring inverts the level.
-    const INVERTED: bool;
-    /// The pin itself, for a peripheral.
-    type Plain;
-    /// The pin as an output.
-    type Output: OutputPin<Error = Infallible>;
-    /// The pin as an input.
-    type Input: InputPin<Error = Infallible>;
-
-    /// Hands out the pin itself.
-    fn plain(self) -> Self::Plain;
-
-    /// Makes the pin an output, with this level from the beginning.
-    fn output(self, high: bool) -> Self::Output;
-
+/// Pin of an STM32, which pulls an input either way.
+pub(crate) trait PulledPin: BoardPin {
     /// Makes the pin an input. What is pulled is the level that a function reads while nothing is connected.
     fn input(self, pull: Pull) -> Self::Input;
 }
@@ -45,6 +30,12 @@ impl<const P: char, const N: u8> BoardPin for Pin<P, N> {
         self.into_push_pull_output_in_state(high.into())
     }
 
+    fn pulled_up(self) -> Self::Input {
+        self.input(Pull::Up)
+    }
+}
+
+impl<const P: char, const N: u8> PulledPin for Pin<P, N> {
     fn input(self, pull: Pull) -> Self::Input {
         self.into_input().internal_resistor(pull)
     }
@@ -72,6 +63,12 @@ impl<const P: char, const N: u8> BoardPin for Inverted<Pin<P, N>> {
         }
     }
 
+    fn pulled_up(self) -> AnyInput {
+        self.input(Pull::Up)
+    }
+}
+
+impl<const P: char, const N: u8> PulledPin for Inverted<Pin<P, N>> {
     fn input(self, pull: Pull) -> AnyInput {
         let pull = match pull {
             Pull::Up => Pull::Down,
@@ -82,25 +79,6 @@ impl<const P: char, const N: u8> BoardPin for Inverted<Pin<P, N>> {
             inverted: true,
             ..self.0.input(pull).into()
         }
-    }
-}
-
-impl BoardPin for NoPin {
-    const INVERTED: bool = false;
-    type Plain = Self;
-    type Output = Self;
-    type Input = Self;
-
-    fn plain(self) -> Self {
-        self
-    }
-
-    fn output(self, _: bool) -> Self {
-        self
-    }
-
-    fn input(self, _: Pull) -> Self {
-        self
     }
 }
 

@@ -13,42 +13,18 @@
 mod app {
     use crate::board::{FIRMWARE, Pins};
     use crate::clock::{FAST, SLOW};
-    #[cfg(brake)]
-    use crate::drives::Drives;
-    #[cfg(not(brake))]
-    use crate::drives::Drives as HeldDrives;
     #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
     use crate::drives::Inbox;
     use crate::drives::{self, DriveTimer};
-    #[cfg(interlocks)]
-    use crate::interlocks::{self, GuardedSwitches as Switches};
+    use crate::inputs::{self, BoardInputs, InputPins};
+    use crate::outputs::{self, BoardOutputs, OutputPins};
     use crate::parts::{self, Watchdog};
     use crate::serial::{self, LineReceiver, LineTransmitter, LogTransmitter};
-    use crate::switches;
-    #[cfg(not(interlocks))]
-    use crate::switches::Switches;
     use embedded_hal_nb::serial::Read;
     use heapless::spsc::{Producer, Queue};
     use trirrr_app::RECEIVED;
     use trirrr_app::{Background, Channels, Tick, TickClock, period};
     use trirrr_protocol::message::{Board, Clock};
-
-    #[cfg(brake)]
-    type HeldDrives =
-        trirrr_app::outputs::Braked<Drives, <crate::board::Brake as crate::pins::BoardPin>::Output>;
-
-    #[cfg(all(tool = "none", not(lamp)))]
-    type Outputs = HeldDrives;
-    #[cfg(all(not(tool = "none"), not(lamp)))]
-    type Outputs = trirrr_app::outputs::Tooled<HeldDrives, crate::tool::ToolPin>;
-    #[cfg(all(tool = "none", lamp))]
-    type Outputs =
-        trirrr_app::WithLamp<HeldDrives, <crate::board::Lamp as crate::pins::BoardPin>::Output>;
-    #[cfg(all(not(tool = "none"), lamp))]
-    type Outputs = trirrr_app::WithLamp<
-        trirrr_app::outputs::Tooled<HeldDrives, crate::tool::ToolPin>,
-        <crate::board::Lamp as crate::pins::BoardPin>::Output,
-    >;
 
     #[shared]
     struct Shared {}
@@ -57,7 +33,7 @@ mod app {
     struct Local {
         receiver: LineReceiver,
         received: Producer<'static, u8>,
-        tick: Tick<Switches, Outputs>,
+        tick: Tick<BoardInputs, BoardOutputs>,
         timer: DriveTimer,
         background: Background<LineTransmitter, LogTransmitter>,
         watchdog: Watchdog,
@@ -107,38 +83,34 @@ mod app {
             inbox,
             angles: foreground.output().motors.map(|motor| motor.angle),
         };
-        let (outputs, timer) = drives::build(parts, &mut rcc);
-        #[cfg(brake)]
-        let outputs = trirrr_app::outputs::Braked::new(
-            outputs,
-            crate::pins::BoardPin::output(pins.brake, false),
-        );
+        let (drives, timer) = drives::build(parts, &mut rcc);
         #[cfg(not(tool = "none"))]
-        let outputs = {
+        let tool = {
             let parts = crate::tool::ToolParts {
                 tool: pins.tool,
                 enable: pins.tool_enable,
                 counter: chip.tool,
                 clocks,
             };
-            let tool = crate::tool::build(parts, &mut rcc);
-            trirrr_app::outputs::Tooled::new(outputs, tool)
+            crate::tool::build(parts, &mut rcc)
         };
-        #[cfg(lamp)]
-        let outputs = {
-            let pin = crate::pins::BoardPin::output(pins.lamp, false);
-            trirrr_app::WithLamp::new(outputs, pin)
-        };
-        #[cfg(homing)]
-        let inputs = switches::build(pins.homing_1, pins.homing_2, pins.homing_3);
-        #[cfg(not(homing))]
-        let inputs = switches::Switches;
-        #[cfg(interlocks)]
-        let inputs = interlocks::build(
-            inputs,
-            (pins.stop, pins.door, pins.probe),
-            (pins.limit_1, pins.limit_2, pins.limit_3),
-        );
+        let outputs = outputs::build(OutputPins {
+            drives,
+            #[cfg(brake)]
+            brake: pins.brake,
+            #[cfg(not(tool = "none"))]
+            tool,
+            #[cfg(lamp)]
+            lamp: pins.lamp,
+        });
+        let inputs = inputs::build(InputPins {
+            #[cfg(homing)]
+            homing: (pins.homing_1, pins.homing_2, pins.homing_3),
+            #[cfg(interlocks)]
+            contacts: (pins.stop, pins.door, pins.probe),
+            #[cfg(interlocks)]
+            limits: (pins.limit_1, pins.limit_2, pins.limit_3),
+        });
         let watchdog = chip.watchdog.start();
         let (received, bytes) = bytes.split();
         let clock = TickClock::start(context.core.SYST, period);

@@ -24,8 +24,8 @@ pub(super) struct ToolParts {
 #[cfg(tool = "duty")]
 mod duty {
     use super::{INVERTED, Rcc, Tool, ToolEnable, ToolParts};
-    use crate::pins::BoardPin;
     use crate::timers::ToolTimer;
+    use crate::wiring::BoardPin;
     use trirrr_app::scene::tool::{CUTS, ENABLE, FREQUENCY_HZ, SPAN};
     use trirrr_drives::Enable;
     use trirrr_drives::tool::DutyOutput;
@@ -59,7 +59,7 @@ mod duty {
 #[cfg(tool = "level")]
 mod level {
     use super::{INVERTED, Rcc, Tool, ToolParts};
-    use crate::pins::BoardPin;
+    use crate::wiring::BoardPin;
     use trirrr_drives::Active;
     use trirrr_drives::tool::LevelOutput;
 

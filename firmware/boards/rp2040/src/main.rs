@@ -15,17 +15,18 @@ mod chip;
 #[cfg(target_os = "none")]
 mod clock;
 #[cfg(target_os = "none")]
+#[path = "../../common/mod.rs"]
+mod common;
+#[cfg(target_os = "none")]
 mod drives;
-#[cfg(all(target_os = "none", interlocks))]
-mod interlocks;
 #[cfg(target_os = "none")]
 mod pins;
 #[cfg(target_os = "none")]
 mod start;
-#[cfg(target_os = "none")]
-mod switches;
 #[cfg(all(target_os = "none", not(tool = "none")))]
 mod tool;
+#[cfg(target_os = "none")]
+use common::*;
 
 #[cfg(target_os = "none")]
 #[rtic::app(device = crate::board::device, peripherals = true)]
@@ -34,18 +35,11 @@ mod app {
         CRYSTAL_MHZ, FIRMWARE, LinePort, LineReceive, LineTransmit, LogPort, LogTransmit, Pins,
     };
     use super::clock::{self, CORE_HZ};
-    #[cfg(brake)]
-    use super::drives::Drives;
-    #[cfg(not(brake))]
-    use super::drives::Drives as HeldDrives;
     use super::drives::{self, DriveTimer};
-    #[cfg(interlocks)]
-    use super::interlocks::{self, GuardedSwitches as Switches};
+    use super::inputs::{self, BoardInputs, InputPins};
+    use super::outputs::{self, BoardOutputs, OutputPins};
     use super::pins::Ports;
     use super::start;
-    use super::switches;
-    #[cfg(not(interlocks))]
-    use super::switches::Switches;
     use embedded_hal_nb::serial::Read;
     use heapless::spsc::{Producer, Queue};
     use rp2040_hal::fugit::{ExtU32, RateExtU32};
@@ -71,23 +65,6 @@ mod app {
     /// Capacity of the receiver, bytes.
     const FIFO: usize = 32;
 
-    #[cfg(brake)]
-    type HeldDrives =
-        trirrr_app::outputs::Braked<Drives, <super::board::Brake as super::pins::BoardPin>::Output>;
-
-    #[cfg(all(tool = "none", not(lamp)))]
-    type Outputs = HeldDrives;
-    #[cfg(all(not(tool = "none"), not(lamp)))]
-    type Outputs = trirrr_app::outputs::Tooled<HeldDrives, super::tool::ToolPin>;
-    #[cfg(all(tool = "none", lamp))]
-    type Outputs =
-        trirrr_app::WithLamp<HeldDrives, <super::board::Lamp as super::pins::BoardPin>::Output>;
-    #[cfg(all(not(tool = "none"), lamp))]
-    type Outputs = trirrr_app::WithLamp<
-        trirrr_app::outputs::Tooled<HeldDrives, super::tool::ToolPin>,
-        <super::board::Lamp as super::pins::BoardPin>::Output,
-    >;
-
     #[shared]
     struct Shared {}
 
@@ -95,7 +72,7 @@ mod app {
     struct Local {
         receiver: Reader<LinePort, LinePins>,
         received: Producer<'static, u8>,
-        tick: Tick<Switches, Outputs>,
+        tick: Tick<BoardInputs, BoardOutputs>,
         slot: DriveTimer,
         background: Background<Writer<LinePort, LinePins>, Writer<LogPort, LogPins>>,
         watchdog: Watchdog,
@@ -164,36 +141,30 @@ mod app {
             slots: pins.slots,
             angles: foreground.output().motors.map(|motor| motor.angle),
         };
-        let (outputs, slot) = drives::build(parts);
-        #[cfg(brake)]
-        let outputs = {
-            let pin = super::pins::BoardPin::output(pins.brake, false);
-            trirrr_app::outputs::Braked::new(outputs, pin)
-        };
+        let (drives, slot) = drives::build(parts);
         #[cfg(not(tool = "none"))]
-        let outputs = {
-            let parts = super::tool::ToolParts {
-                tool: pins.tool,
-                enable: pins.tool_enable,
-                slice: pins.tool_slice,
-            };
-            trirrr_app::outputs::Tooled::new(outputs, super::tool::build(parts))
-        };
-        #[cfg(lamp)]
-        let outputs = {
-            let pin = super::pins::BoardPin::output(pins.lamp, false);
-            trirrr_app::WithLamp::new(outputs, pin)
-        };
-        #[cfg(homing)]
-        let inputs = switches::build(pins.homing_1, pins.homing_2, pins.homing_3);
-        #[cfg(not(homing))]
-        let inputs = switches::Switches;
-        #[cfg(interlocks)]
-        let inputs = interlocks::build(
-            inputs,
-            (pins.stop, pins.door, pins.probe),
-            (pins.limit_1, pins.limit_2, pins.limit_3),
-        );
+        let tool = super::tool::build(super::tool::ToolParts {
+            tool: pins.tool,
+            enable: pins.tool_enable,
+            slice: pins.tool_slice,
+        });
+        let outputs = outputs::build(OutputPins {
+            drives,
+            #[cfg(brake)]
+            brake: pins.brake,
+            #[cfg(not(tool = "none"))]
+            tool,
+            #[cfg(lamp)]
+            lamp: pins.lamp,
+        });
+        let inputs = inputs::build(InputPins {
+            #[cfg(homing)]
+            homing: (pins.homing_1, pins.homing_2, pins.homing_3),
+            #[cfg(interlocks)]
+            contacts: (pins.stop, pins.door, pins.probe),
+            #[cfg(interlocks)]
+            limits: (pins.limit_1, pins.limit_2, pins.limit_3),
+        });
         watchdog.start(WATCHDOG_MS.millis());
         let (received, bytes) = bytes.split();
         let clock = TickClock::start(context.core.SYST, const { period(CORE_HZ) });

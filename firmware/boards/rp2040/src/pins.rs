@@ -3,15 +3,14 @@
 // An image uses those of its scene's functions.
 #![allow(dead_code)]
 
-use core::convert::Infallible;
-use embedded_hal::digital::{InputPin, OutputPin, PinState};
+use crate::wiring::BoardPin;
+use embedded_hal::digital::PinState;
 use rp2040_hal::gpio::{
     DynPinId, FunctionNull, FunctionSioInput, FunctionSioOutput, InputOverride, OutputOverride,
     Pin, PinId, PullDown, PullUp, ValidFunction,
 };
 use rp2040_hal::gpio::{FunctionSio, SioInput, SioOutput};
 use rp2040_hal::pac::{UART0, UART1};
-use trirrr_app::pins::NoPin;
 
 /// Serial ports of the chip, of which [`Pins`](crate::board::Pins) takes those of the board file.
 pub(crate) struct Ports {
@@ -21,27 +20,6 @@ pub(crate) struct Ports {
 
 /// Output of any pin, for arrays.
 pub(crate) type AnyOutput = Pin<DynPinId, FunctionSioOutput, PullDown>;
-
-/// Pin of a board file.
-pub(crate) trait BoardPin {
-    /// The wiring inverts the level.
-    const INVERTED: bool;
-    /// The pin itself, for a peripheral.
-    type Plain;
-    /// The pin as an output.
-    type Output: OutputPin<Error = Infallible>;
-    /// The pin as an input.
-    type Input: InputPin<Error = Infallible>;
-
-    /// Hands out the pin itself.
-    fn plain(self) -> Self::Plain;
-
-    /// Makes the pin an output, with this level from the beginning.
-    fn output(self, high: bool) -> Self::Output;
-
-    /// Makes the pin an input that a function reads as high while nothing is connected.
-    fn input(self) -> Self::Input;
-}
 
 impl<I: PinId> BoardPin for Pin<I, FunctionNull, PullDown>
 where
@@ -60,7 +38,7 @@ where
         self.into_push_pull_output_in_state(PinState::from(high))
     }
 
-    fn input(self) -> Self::Input {
+    fn pulled_up(self) -> Self::Input {
         self.into_pull_up_input()
     }
 }
@@ -87,27 +65,8 @@ where
         self.0.into_push_pull_output_in_state(PinState::from(high))
     }
 
-    fn input(mut self) -> Self::Input {
+    fn pulled_up(mut self) -> Self::Input {
         self.0.set_input_override(InputOverride::Invert);
         self.0.into_pull_down_input()
-    }
-}
-
-impl BoardPin for NoPin {
-    const INVERTED: bool = false;
-    type Plain = Self;
-    type Output = Self;
-    type Input = Self;
-
-    fn plain(self) -> Self {
-        self
-    }
-
-    fn output(self, _: bool) -> Self {
-        self
-    }
-
-    fn input(self) -> Self {
-        self
     }
 }

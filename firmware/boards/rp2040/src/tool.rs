@@ -22,7 +22,7 @@ pub(super) struct ToolParts {
 mod duty {
     use super::{FreeRunning, INVERTED, Slice, Tool, ToolEnable, ToolParts, ToolPwm};
     use crate::clock::CORE_HZ;
-    use crate::pins::BoardPin;
+    use crate::wiring::BoardPin;
     use core::convert::Infallible;
     use embedded_hal::pwm::{ErrorType, SetDutyCycle};
     use rp2040_hal::gpio::{AnyPin, FunctionPwm, OutputOverride, Pin, PullDown};
@@ -117,7 +117,7 @@ mod duty {
 #[cfg(tool = "level")]
 mod level {
     use super::{INVERTED, Tool, ToolParts};
-    use crate::pins::BoardPin;
+    use crate::wiring::BoardPin;
     use trirrr_drives::Active;
     use trirrr_drives::tool::LevelOutput;
 

@@ -1,9 +1,10 @@
 //! Drives on the CAN bus: the controller carries a frame to each of them in a tick, and an interrupt takes every frame from them.
 
-use super::controller::{BusController, BusFrame, LOST};
+pub(super) mod handover;
+
+use super::controller::{BusController, BusFrame};
 use super::{DriveParts, DriveTimer};
 use crate::parts::Rcc;
-use core::sync::atomic::Ordering;
 use heapless::spsc::Queue;
 use trirrr_app::outputs::OrEmulated;
 use trirrr_app::scene::Scalar;
@@ -47,7 +48,7 @@ pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BusDrives, DriveTimer)
 
 /// Logs frames that were lost since the last call, which the queue has room for.
 pub(crate) fn report() {
-    let lost = LOST.swap(0, Ordering::Relaxed);
+    let lost = handover::take_lost();
     if lost > 0 {
         defmt::error!("{=u32} frames from the bus were lost", lost);
     }

@@ -3,8 +3,8 @@
 use super::DriveParts;
 use crate::board::{self, DirectionOutput, StepOutput};
 use crate::parts::Rcc;
-use crate::pins::BoardPin;
 use crate::timers::SlotCounter;
+use crate::wiring::BoardPin;
 use trirrr_app::Output;
 use trirrr_app::inputs::Angle;
 use trirrr_app::outputs::Outputs;

@@ -5,13 +5,10 @@
 //! until a drive has acknowledged it. Frames come in from the drives alone: a filter for each of them keeps others out.
 #![allow(unsafe_code)]
 
+use super::can::handover::{self, Off};
 use crate::clock::Clocks;
 use crate::parts::Rcc;
-use core::cell::Cell;
-use core::sync::atomic::{AtomicU32, Ordering};
-use cortex_m::interrupt::{Mutex, free};
-use cortex_m::peripheral::NVIC;
-use embedded_can::{ErrorKind, ExtendedId, Frame, Id, StandardId};
+use embedded_can::{ExtendedId, Frame, Id, StandardId};
 use heapless::spsc::{Consumer, Producer};
 use stm32_metapac::can::Fdcan;
 use stm32_metapac::can::regs::{Rxgfc, Txbar, Txbcr};
@@ -26,9 +23,6 @@ pub(crate) use trirrr_drives::can::FdFrame as BusFrame;
 use trirrr_drives::can::Moteus;
 use trirrr_drives::can::{BitTiming, Bus, FdTiming, length_code, length_of};
 
-/// Frames that were lost: the interrupt came too late, or the queue was full. The interrupt alone adds.
-pub(super) static LOST: AtomicU32 = AtomicU32::new(0);
-
 /// FDCAN1 as the tick sees it: the buffers of frames that go out, and the queue of what came in.
 pub(crate) struct BusController {
     can: Fdcan,
@@ -38,18 +32,8 @@ pub(crate) struct BusController {
 }
 
 /// FDCAN1 as its interrupt sees it: the places of received frames, and the queue.
-struct FrameReceiver {
+pub(super) struct FrameReceiver {
     frames: Producer<'static, BusFrame>,
-}
-
-/// The controller is off the bus, or did not start.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Off;
-
-impl embedded_can::Error for Off {
-    fn kind(&self) -> ErrorKind {
-        ErrorKind::Other
-    }
 }
 
 /// Reads of an acknowledgement that comes within a frame.
@@ -106,11 +90,7 @@ impl BusController {
         if !runs {
             defmt::error!("the CAN controller does not start");
         }
-        let receiver = FrameReceiver { frames };
-        free(|section| RECEIVER.borrow(section).set(Some(receiver)));
-        // SAFETY: the interrupt has the registers of reception for itself, the tick those of transmission. No task
-        // shares anything with the interrupt, so no lock has to keep it out.
-        unsafe { NVIC::unmask(Interrupt::FDCAN1_IT0) };
+        handover::hand_over(FrameReceiver { frames }, Interrupt::FDCAN1_IT0);
         Self { can, runs, inbox }
     }
 }
@@ -188,11 +168,11 @@ fn configure(can: Fdcan, timing: Option<BusTiming>, filters: &[(u16, u16); 3]) -
 impl FrameReceiver {
     /// Takes the frames that are there into the queue. One that comes meanwhile calls the interrupt again.
     #[inline(always)]
-    fn run(&mut self) {
+    pub(super) fn run(&mut self) {
         let flags = FDCAN1.ir().read();
         FDCAN1.ir().write_value(flags);
         if flags.rfl(0) {
-            count_lost();
+            handover::count_lost();
         }
         for _ in 0..3 {
             let status = FDCAN1.rxfs(0).read();
@@ -202,10 +182,8 @@ impl FrameReceiver {
             let place = status.fgi();
             let frame = received(usize::from(place.min(2)) * PLACE);
             FDCAN1.rxfa(0).write(|w| w.set_fai(place));
-            if let Some(frame) = frame
-                && self.frames.enqueue(frame).is_err()
-            {
-                count_lost();
+            if let Some(frame) = frame {
+                handover::put(&mut self.frames, frame);
             }
         }
     }
@@ -240,27 +218,12 @@ fn received(first: usize) -> Option<BusFrame> {
     BusFrame::new(id?, data.get(..length)?)
 }
 
-/// Reception, until the interrupt has taken it.
-static RECEIVER: Mutex<Cell<Option<FrameReceiver>>> = Mutex::new(Cell::new(None));
-
 /// Moves frames from the bus into their queue. Above the tick, and everything else: the controller holds three frames, and a tick may
 /// take longer than three take to come.
 #[interrupt]
 fn FDCAN1_IT0() {
     static mut OWN: Option<FrameReceiver> = None;
-    if OWN.is_none() {
-        *OWN = free(|section| RECEIVER.borrow(section).take());
-    }
-    if let Some(receiver) = OWN {
-        receiver.run();
-    }
-}
-
-/// Counts a lost frame.
-#[cold]
-fn count_lost() {
-    // A load and a store would do: the log, which sets the count to 0, is below.
-    LOST.fetch_add(1, Ordering::Relaxed);
+    handover::run(OWN);
 }
 
 impl embedded_can::nb::Can for BusController {

@@ -267,7 +267,7 @@ mod tests {
         control.write(0x00, 0x83 | HSE_ON | PLL_ON | SECURITY_ON, CRYSTAL_START);
         assert!(control.is_fed_by_crystal() && control.stop_crystal());
         assert!(!control.is_fed_by_crystal());
-        assert_eq!(control.clocks().core, 63);
+        assert_eq!(control.clocks().core, period(16_000_000));
     }
 
     #[test]

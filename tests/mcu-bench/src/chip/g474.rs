@@ -3,9 +3,10 @@
 //! Timers 2 and 7, the watchdog and the core are at the same addresses. Ports have the same registers at other addresses. Clocks and serial
 //! ports have others with the same meaning: these are translated. Both have a controller for CAN at the same place, of another kind.
 
+use super::PORTS;
 use super::clock::ClockControl;
+use super::map::{Place, SERIALS};
 use super::serial::Serial;
-use super::{PORTS, Place, SERIALS};
 use crate::time::Time;
 use std::collections::BTreeMap;
 
@@ -63,7 +64,7 @@ pub(super) fn place(address: u32) -> Option<Place> {
         }
     }
     if let Some(offset) = within(0x4000_6400, 0x400) {
-        return Some(Place::FdCan(offset));
+        return Some(Place::Can(offset));
     }
     if let Some(offset) = within(0x4000_A400, 0x350) {
         return Some(Place::MessageRam(offset));

@@ -1,15 +1,18 @@
 //! Registers of the STM32F405 that the image uses, and what they do in time.
 //!
-//! Registers that the image touches and that are not here are an error of the bench, not memory: [`Chip::unknown`].
+//! Registers that the image touches and that are not here are an error of the bench, not memory: [`Chip::unknown`]. `map` has the addresses,
+//! `registers` the accesses, `pins` the levels that follow.
 
-mod bxcan;
+mod can;
 mod capture;
 mod clock;
-mod fdcan;
-mod g474;
 mod flash;
+mod g474;
 mod interrupts;
+mod map;
+mod pins;
 mod port;
+mod registers;
 mod serial;
 mod supply;
 mod timer;
@@ -18,6 +21,7 @@ mod watchdog;
 pub(crate) use clock::{ClockControl, Clocks, Crystal, ResetCause};
 pub(crate) use flash::FlashControl;
 pub(crate) use interrupts::{HARD_FAULT, Interrupts, NMI, SYS_TICK};
+pub(crate) use map::TIM7;
 pub(crate) use port::{Mode, Port};
 pub(crate) use serial::Serial;
 
@@ -26,11 +30,9 @@ use crate::rotors::Rotors;
 use crate::time::Time;
 use crate::trace::{Level, Pin, Trace};
 use crate::wiring;
-use bxcan::BxCan;
-use fdcan::FdCan;
+use can::{BxCan, CanController, FdCan};
 use capture::CrystalCapture;
-use flash::FlashEffect;
-use interrupts::Effect;
+use map::{SERIALS, TIMERS};
 use std::collections::{BTreeMap, BTreeSet};
 use supply::Supply;
 use timer::Timer;
@@ -39,54 +41,13 @@ use watchdog::Watchdog;
 /// Ports A to E.
 const PORTS: [char; 5] = ['A', 'B', 'C', 'D', 'E'];
 
-/// Interrupt of TIM7: the slots of the steppers.
-pub(crate) const TIM7: u16 = 55;
-
-/// Timers: number, address, interrupt, on APB2, with 32 bits.
-const TIMERS: [(u8, u32, u16, bool, bool); 6] = [
-    (1, 0x4001_0000, 25, true, false),
-    (2, 0x4000_0000, 28, false, true),
-    (3, 0x4000_0400, 29, false, false),
-    (4, 0x4000_0800, 30, false, false),
-    (5, 0x4000_0C00, 50, false, true),
-    (7, 0x4000_1400, TIM7, false, false),
-];
-
-/// Serial ports: address, interrupt. USART2 is the line, USART3 the log.
-const SERIALS: [(u32, u16); 2] = [(0x4000_4400, 38), (0x4000_4800, 39)];
-
 /// Index of the line among the serial ports.
 const LINE: usize = 0;
-
-/// Pins of channels of timers: pin, alternate function, timer, channel.
-const CHANNELS: [(Pin, u8, u8, u8); 5] = [
-    (Pin('A', 0), 1, 2, 0),
-    (Pin('A', 5), 1, 2, 0),
-    (Pin('C', 6), 2, 3, 0),
-    (Pin('C', 7), 2, 3, 1),
-    (Pin('C', 8), 2, 3, 2),
-];
 
 /// Timers with encoders of motor 1, 2, 3, and the one with the set values.
 const ENCODERS: [u8; 3] = [1, 4, 5];
 const SET_VALUE_TIMER: u8 = 3;
 
-/// Registers that hold what is written and do nothing that the bench shows: address and bytes.
-const HELD: [(u32, u32); 4] = [
-    // RCC: resets and clocks of peripherals, and in standby.
-    (0x4002_3810, 0x60),
-    // DBGMCU: what stands still under a debugger.
-    (0xE004_2004, 12),
-    // FPU: lazy stacking.
-    (0xE000_EF34, 12),
-    // DWT and DCB.
-    (0xE000_EDF0, 16),
-];
-
-const RESET_OF_PORTS: u32 = 0x4002_3810;
-const RESETS_OF_APB1: u32 = 0x4002_3820;
-const CAN1: u32 = 1 << 25;
-const IDENTITY: u32 = 0xE004_2000;
 /// DBGMCU_APB1_FZ, and its bit for the watchdog.
 const STANDS_AT_HALT: u32 = 0xE004_2008;
 const WATCHDOG_STANDS: u32 = 1 << 12;
@@ -106,6 +67,14 @@ impl Kind {
             Self::Stm32g474 => Crystal::Runs { mhz: 24 },
         }
     }
+
+    /// Returns the chip's controller of CAN as in a reset.
+    fn controller(self) -> Box<dyn CanController> {
+        match self {
+            Self::Stm32f405 => Box::new(BxCan::new()),
+            Self::Stm32g474 => Box::new(FdCan::new()),
+        }
+    }
 }
 
 pub(crate) struct Chip {
@@ -123,8 +92,7 @@ pub(crate) struct Chip {
     capture: CrystalCapture,
     /// Machine behind amplifiers and encoders, with the level at which they are on.
     pub(crate) rotors: Option<(Rotors, bool)>,
-    can: BxCan,
-    fd_can: FdCan,
+    can: Box<dyn CanController>,
     /// Bus at the controller.
     pub(crate) bus: Option<Box<dyn CanBus>>,
     supply: Supply,
@@ -161,8 +129,7 @@ impl Chip {
             watchdog: Watchdog::new(oscillator_hz),
             capture: CrystalCapture::default(),
             rotors: None,
-            can: BxCan::new(),
-            fd_can: FdCan::new(),
+            can: kind.controller(),
             bus: None,
             supply: Supply::new(),
             flash: FlashControl::new(),
@@ -192,8 +159,7 @@ impl Chip {
         }
         self.watchdog.reset();
         self.capture = CrystalCapture::default();
-        self.can = BxCan::new();
-        self.fd_can = FdCan::new();
+        self.can = self.kind.controller();
         self.supply.reset();
         self.flash.reset();
         // What a debugger has set stays.
@@ -209,10 +175,7 @@ impl Chip {
 
     /// Returns how often the controller has gone off the bus.
     pub(crate) fn bus_offs(&self) -> u32 {
-        match self.kind {
-            Kind::Stm32f405 => self.can.offs,
-            Kind::Stm32g474 => self.fd_can.offs,
-        }
+        self.can.confinement().offs()
     }
 
     /// Returns the line.
@@ -283,10 +246,7 @@ impl Chip {
 
     fn advance_can(&mut self) {
         let bus = self.bus.as_deref_mut().map(|bus| bus as _);
-        match self.kind {
-            Kind::Stm32f405 => self.can.advance(self.now, self.clocks.apb1, bus),
-            Kind::Stm32g474 => self.fd_can.advance(self.now, self.clocks.apb1, bus),
-        }
+        self.can.advance(self.now, self.clocks.apb1, bus);
     }
 
     /// Lets the machine behind the amplifiers go on to the present time.
@@ -314,30 +274,14 @@ impl Chip {
         }
     }
 
-    fn advance_timer(&mut self, index: usize) {
-        let (now, number) = (self.now, TIMERS[index].0);
-        let (ports, trace) = (&self.ports, &mut self.trace);
-        self.timers[index].advance(now, |edge| {
-            let of = |(_, _, timer, channel): &(Pin, u8, u8, u8)| {
-                (*timer, *channel) == (number, edge.channel)
-            };
-            for (pin, function, ..) in CHANNELS.into_iter().filter(of) {
-                if mode_of(ports, pin) == Some(Mode::Alternate(function)) {
-                    trace.record(edge.time, pin, Level::of(edge.high));
-                }
-            }
-        });
-    }
-
     fn set_lines(&mut self) {
         for (timer, (_, _, interrupt, _, _)) in self.timers.iter().zip(TIMERS) {
             self.interrupts.set_line(interrupt, timer.interrupts());
         }
         self.interrupts
             .set_line(supply::PVD, self.supply.interrupts());
-        self.interrupts.set_line(bxcan::RX0, self.can.interrupts());
         self.interrupts
-            .set_line(fdcan::IT0, self.fd_can.interrupts());
+            .set_line(self.can.interrupt(), self.can.interrupts());
         for (serial, (_, interrupt)) in self.serials.iter().zip(SERIALS) {
             self.interrupts.set_line(interrupt, serial.interrupts());
         }
@@ -351,385 +295,7 @@ impl Chip {
             .chain(serials)
             .chain(self.interrupts.tick.next(self.clocks.core))
             .chain(self.watchdog.bite())
-            .chain(match self.kind {
-                Kind::Stm32f405 => self.can.next(self.bus.as_deref()),
-                Kind::Stm32g474 => self.fd_can.next(self.bus.as_deref()),
-            })
+            .chain(self.can.confinement().next(self.bus.as_deref()))
             .min()
-    }
-
-    /// Records the level of a pin.
-    fn show(&mut self, pin: Pin) {
-        let Some(port) = port_of(&self.ports, pin) else {
-            return;
-        };
-        let level = match port.mode(pin.1) {
-            Mode::Input | Mode::Analog => Level::Floating,
-            Mode::Output => port.driven(pin.1),
-            Mode::Alternate(function) => {
-                let of = |channel: &&(Pin, u8, u8, u8)| (channel.0, channel.1) == (pin, function);
-                let Some((_, _, number, channel)) = CHANNELS.iter().find(of) else {
-                    return;
-                };
-                let index = TIMERS.iter().position(|timer| timer.0 == *number);
-                let output = index.and_then(|index| self.timers[index].output(*channel, self.now));
-                // A channel that is not on drives its idle level.
-                Level::of(output.unwrap_or(false))
-            }
-        };
-        self.trace.record(self.now, pin, level);
-    }
-
-    fn show_port(&mut self, index: usize) {
-        for bit in 0..16 {
-            self.show(Pin(PORTS[index], bit));
-        }
-    }
-
-    fn show_all_pins(&mut self) {
-        for index in 0..PORTS.len() {
-            self.show_port(index);
-        }
-    }
-
-    fn show_channels(&mut self, number: u8) {
-        for (pin, _, timer, _) in CHANNELS {
-            if timer == number {
-                self.show(pin);
-            }
-        }
-    }
-
-    /// Reads a register, as much of its word as `size` bytes hold.
-    pub(crate) fn read(&mut self, address: u32, size: usize) -> u32 {
-        if let Some((word, bit)) = single_bit(address) {
-            return self.read_word(word) >> bit & 1;
-        }
-        let word = self.read_word(address & !3);
-        let shifted = word >> (8 * (address & 3));
-        match size {
-            1 => shifted & 0xFF,
-            2 => shifted & 0xFFFF,
-            _ => word,
-        }
-    }
-
-    fn read_word(&mut self, address: u32) -> u32 {
-        let (now, apb1, core) = (self.now, self.clocks.apb1, self.clocks.core);
-        let found = match self.place(address) {
-            Place::Clock(offset) => self.clock.read(offset, now),
-            Place::Core(offset) => {
-                self.interrupts.advance(now, core);
-                self.interrupts.read(offset, now, core)
-            }
-            Place::Port(index, offset) => self.ports[index].read(offset),
-            Place::Timer(index, offset) => {
-                self.advance_rotors();
-                self.advance_timer(index);
-                self.timers[index].read(offset, now)
-            }
-            Place::Serial(index, offset) => {
-                let read = self.serials[index].read(offset, now, apb1);
-                self.set_lines();
-                read
-            }
-            Place::Watchdog(offset) => self.watchdog.read(offset),
-            Place::Capture(offset) => {
-                let clock = self.clocks.timers(self.clocks.apb2);
-                let input = self.clock.divided_crystal(now);
-                self.capture.read(offset, now, clock, input)
-            }
-            Place::Can(offset) => {
-                self.advance_can();
-                let read = self.can.read(offset);
-                self.set_lines();
-                read
-            }
-            Place::FdCan(offset) => {
-                self.advance_can();
-                let read = self.fd_can.read(offset);
-                self.set_lines();
-                read
-            }
-            Place::MessageRam(offset) => self.fd_can.read_ram(offset),
-            Place::OtherClock(offset) => g474::read_clock(&self.clock, &self.held, offset, now),
-            Place::OtherSerial(index, offset) => {
-                let read = g474::read_serial(&mut self.serials[index], offset, now, apb1);
-                self.set_lines();
-                read
-            }
-            Place::Supply(offset) => self.supply.read(offset),
-            Place::Lines(offset) => self.supply.read_line(offset),
-            Place::Flash(offset) => self.flash.read(offset),
-            // Revision of an STM32F405: an emulator has none, and the image asks.
-            Place::Identity => Some(0x1001_6413),
-            Place::Held => Some(self.held.get(&address).copied().unwrap_or(0)),
-            Place::Unknown => None,
-        };
-        found.unwrap_or_else(|| {
-            self.unknown.insert(format!("read of {address:#010x}"));
-            0
-        })
-    }
-
-    /// Writes a register.
-    pub(crate) fn write(&mut self, address: u32, size: usize, value: u32) {
-        if let Some((word, bit)) = single_bit(address) {
-            let others = self.read_word(word) & !(1 << bit);
-            return self.write(word, 4, others | (value & 1) << bit);
-        }
-        let (now, apb1, core) = (self.now, self.clocks.apb1, self.clocks.core);
-        let known = match self.place(address & !3) {
-            Place::Clock(offset) => {
-                let known = self.clock.write(offset, value, now);
-                self.set_clocks();
-                known
-            }
-            // Priorities are written byte by byte.
-            Place::Core(offset) => {
-                self.interrupts.advance(now, core);
-                let offset = offset + (address & 3);
-                match self.interrupts.write(offset, size, value, now) {
-                    Effect::Reset => {
-                        self.asks_for_reset = true;
-                        true
-                    }
-                    effect => effect == Effect::None,
-                }
-            }
-            Place::Port(index, offset) => {
-                self.advance_rotors();
-                let known = self.ports[index].write(offset, value);
-                self.show_port(index);
-                known
-            }
-            Place::Timer(index, offset) => {
-                self.advance_rotors();
-                self.advance_timer(index);
-                let known = self.timers[index].write(offset, value, now);
-                self.show_channels(TIMERS[index].0);
-                known
-            }
-            Place::Serial(index, offset) => self.serials[index].write(offset, value, now, apb1),
-            Place::Watchdog(offset) => self.watchdog.write(offset, value, now),
-            Place::Capture(offset) => self.capture.write(offset, value, now),
-            Place::Can(offset) => {
-                self.advance_can();
-                let is_sending = self.bus.as_ref().is_some_and(|bus| bus.is_sending());
-                let known = self.can.write(offset, value, now, apb1, is_sending);
-                self.advance_can();
-                known
-            }
-            Place::FdCan(offset) => {
-                self.advance_can();
-                let is_sending = self.bus.as_ref().is_some_and(|bus| bus.is_sending());
-                let known = self.fd_can.write(offset, value, now, apb1, is_sending);
-                self.advance_can();
-                known
-            }
-            Place::MessageRam(offset) => self.fd_can.write_ram(offset, size, value),
-            Place::OtherClock(offset) => {
-                self.held.insert(address, value);
-                let known = g474::write_clock(&mut self.clock, offset, value, now);
-                self.set_clocks();
-                known
-            }
-            Place::OtherSerial(index, offset) => {
-                g474::write_serial(&mut self.serials[index], offset, value, now, apb1)
-            }
-            Place::Supply(offset) => self.supply.write(offset, value),
-            Place::Lines(offset) => self.supply.write_line(offset, value),
-            Place::Flash(offset) => match self.flash.write(offset, value) {
-                FlashEffect::Erased { start, bytes, time } => {
-                    self.erased = Some((start, bytes));
-                    self.now += time;
-                    true
-                }
-                effect => effect == FlashEffect::None,
-            },
-            Place::Held => {
-                self.hold(address, value);
-                true
-            }
-            Place::Identity | Place::Unknown => false,
-        };
-        if !known {
-            self.unknown.insert(format!("write of {address:#010x}"));
-        }
-        self.set_lines();
-        // The next event may be another one now, or an interrupt due.
-        self.stop_at = self.now;
-    }
-
-    /// Keeps a value, and resets the peripherals that it says.
-    fn hold(&mut self, address: u32, value: u32) {
-        self.held.insert(address, value);
-        match address {
-            RESET_OF_PORTS | g474::RESET_OF_PORTS => {
-                for index in 0..PORTS.len() {
-                    if value >> index & 1 != 0 {
-                        self.ports[index].reset();
-                        self.show_port(index);
-                    }
-                }
-            }
-            RESETS_OF_APB1 => {
-                for (index, of) in TIMERS.into_iter().enumerate() {
-                    // Bits 0 to 5: TIM2 to TIM7.
-                    if of.0 >= 2 && value >> (of.0 - 2) & 1 != 0 {
-                        self.timers[index] = Timer::new(of.4);
-                        self.show_channels(of.0);
-                    }
-                }
-                if value & CAN1 != 0 {
-                    self.can = BxCan::new();
-                }
-                self.set_clocks();
-            }
-            _ => {}
-        }
-    }
-
-    fn place(&self, address: u32) -> Place {
-        let within = |start: u32, bytes: u32| {
-            (start..start + bytes)
-                .contains(&address)
-                .then(|| address - start)
-        };
-        if self.kind == Kind::Stm32g474
-            && let Some(place) = g474::place(address)
-        {
-            return place;
-        }
-        if let Some(offset) = within(0x4002_3800, 0x0C).or(within(0x4002_3874, 4).map(|_| 0x74)) {
-            return Place::Clock(offset);
-        }
-        if let Some(offset) = within(0x4002_3C00, 0x18) {
-            return Place::Flash(offset);
-        }
-        if HELD
-            .iter()
-            .any(|(start, bytes)| within(*start, *bytes).is_some())
-        {
-            return Place::Held;
-        }
-        if let Some(offset) = within(0x4002_0000, 0x400 * PORTS.len() as u32) {
-            return Place::Port((offset / 0x400) as usize, offset % 0x400);
-        }
-        for (index, (_, start, ..)) in TIMERS.iter().enumerate() {
-            if let Some(offset) = within(*start, 0x400) {
-                return Place::Timer(index, offset);
-            }
-        }
-        for (index, (start, _)) in SERIALS.iter().enumerate() {
-            if let Some(offset) = within(*start, 0x400) {
-                return Place::Serial(index, offset);
-            }
-        }
-        let others: [(u32, fn(u32) -> Place); 4] = [
-            (0x4000_6400, Place::Can),
-            (0x4001_4800, Place::Capture),
-            (0x4000_7000, Place::Supply),
-            (0x4001_3C00, Place::Lines),
-        ];
-        for (start, place) in others {
-            if let Some(offset) = within(start, 0x400) {
-                return place(offset);
-            }
-        }
-        match (within(0x4000_3000, 0x400), within(0xE000_E000, 0x1000)) {
-            (Some(offset), _) => Place::Watchdog(offset),
-            (_, Some(offset)) => Place::Core(offset),
-            _ if address == IDENTITY => Place::Identity,
-            _ => Place::Unknown,
-        }
-    }
-}
-
-/// Returns the register and the bit of an address that stands for a single bit.
-fn single_bit(address: u32) -> Option<(u32, u32)> {
-    let offset = address
-        .checked_sub(0x4200_0000)
-        .filter(|offset| *offset < 0x200_0000)?;
-    // 32 bytes for each byte, four for each bit.
-    let (byte, bit) = (offset / 32, offset / 4 % 8);
-    Some((0x4000_0000 + (byte & !3), (byte & 3) * 8 + bit))
-}
-
-/// Peripheral, and the offset in it.
-enum Place {
-    Clock(u32),
-    Core(u32),
-    Port(usize, u32),
-    Timer(usize, u32),
-    Serial(usize, u32),
-    Watchdog(u32),
-    Capture(u32),
-    Can(u32),
-    FdCan(u32),
-    MessageRam(u32),
-    OtherClock(u32),
-    OtherSerial(usize, u32),
-    Supply(u32),
-    Lines(u32),
-    Flash(u32),
-    Identity,
-    Held,
-    Unknown,
-}
-
-fn port_of(ports: &[Port], pin: Pin) -> Option<&Port> {
-    let index = PORTS.iter().position(|name| *name == pin.0)?;
-    ports.get(index)
-}
-
-fn mode_of(ports: &[Port], pin: Pin) -> Option<Mode> {
-    port_of(ports, pin).map(|port| port.mode(pin.1))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn chip() -> Chip {
-        let kind = Kind::Stm32f405;
-        Chip::new(kind, kind.crystal(), 32_000)
-    }
-
-    #[test]
-    fn an_access_that_is_not_modelled_is_named() {
-        let mut chip = chip();
-        chip.write(0x4001_3000, 4, 1);
-        chip.read(0x4002_3C00, 4);
-        let unknown: Vec<&String> = chip.unknown.iter().collect();
-        assert_eq!(unknown, ["write of 0x40013000"]);
-    }
-
-    #[test]
-    fn an_address_may_stand_for_a_bit() {
-        // RCC_AHB1ENR, ports A and C.
-        let mut chip = chip();
-        chip.write(0x4247_0600, 4, 1);
-        chip.write(0x4247_0608, 4, 1);
-        assert_eq!(chip.read(0x4002_3830, 4), 0b101);
-        assert_eq!(
-            (chip.read(0x4247_0604, 4), chip.read(0x4247_0608, 4)),
-            (0, 1)
-        );
-    }
-
-    #[test]
-    fn a_reset_of_the_ports_lets_all_pins_go() {
-        let mut chip = chip();
-        chip.write(0x4002_0400, 4, 1 << 24);
-        chip.write(0x4002_0418, 4, 1 << 12);
-        assert_eq!(chip.trace.level(Pin('B', 12)), Level::High);
-        chip.now = 100;
-        chip.write(RESET_OF_PORTS, 4, 0x1F);
-        assert_eq!(chip.trace.level(Pin('B', 12)), Level::Floating);
-        assert_eq!(
-            chip.trace.edges(Pin('B', 12)).last().map(|edge| edge.time),
-            Some(100)
-        );
     }
 }

@@ -2,7 +2,8 @@
 
 use super::DriveParts;
 use crate::clock::CORE_HZ;
-use crate::pins::{AnyOutput, BoardPin};
+use crate::pins::AnyOutput;
+use crate::wiring::BoardPin;
 use rp2040_hal::pwm::{FreeRunning, Pwm7, Slice};
 use trirrr_app::scene::Scalar;
 use trirrr_app::scene::drive::{ENABLE_HIGH, MOST_PER_TICK, PER_TURN, REVERSED};

@@ -5,21 +5,15 @@
 //! until a drive has acknowledged it. Frames come in from the drives alone: a filter for each of them keeps others out.
 #![allow(unsafe_code)]
 
+use super::can::handover::{self, Off};
 use crate::clock::Clocks;
-use core::cell::Cell;
-use core::sync::atomic::{AtomicU32, Ordering};
-use cortex_m::interrupt::{Mutex, free};
-use cortex_m::peripheral::NVIC;
-use embedded_can::{ErrorKind, Id, StandardId};
+use embedded_can::{Id, StandardId};
 use heapless::spsc::{Consumer, Producer};
 use stm32f4xx_hal::pac::{CAN1, Interrupt, interrupt};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 use trirrr_app::scene::drive::BIT_RATE_HZ;
 pub(crate) use trirrr_drives::can::ClassicFrame as BusFrame;
 use trirrr_drives::can::{BitTiming, Bus, ClassicFrame};
-
-/// Frames that were lost: the interrupt came too late, or the queue was full. The interrupt alone adds.
-pub(super) static LOST: AtomicU32 = AtomicU32::new(0);
 
 /// CAN1 as the tick sees it: all three mailboxes, and the queue of what came in.
 pub(crate) struct BusController {
@@ -30,19 +24,9 @@ pub(crate) struct BusController {
 }
 
 /// CAN1 as its interrupt sees it: the places of received frames, and the queue.
-struct FrameReceiver {
+pub(super) struct FrameReceiver {
     can: CAN1,
     frames: Producer<'static, ClassicFrame>,
-}
-
-/// The controller is off the bus, or did not start.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Off;
-
-impl embedded_can::Error for Off {
-    fn kind(&self) -> ErrorKind {
-        ErrorKind::Other
-    }
 }
 
 /// Reads of an acknowledgement that comes within a bit.
@@ -70,16 +54,12 @@ impl BusController {
         if !runs {
             defmt::error!("the CAN controller does not start");
         }
-        // SAFETY: the interrupt has the registers of reception for itself, the tick those of transmission. No task
-        // shares anything with the interrupt, so no lock has to keep it out.
-        let receiver = unsafe {
-            NVIC::unmask(Interrupt::CAN1_RX0);
-            FrameReceiver {
-                can: CAN1::steal(),
-                frames,
-            }
+        let receiver = FrameReceiver {
+            // SAFETY: the interrupt has the registers of reception for itself, the tick those of transmission.
+            can: unsafe { CAN1::steal() },
+            frames,
         };
-        free(|section| RECEIVER.borrow(section).set(Some(receiver)));
+        handover::hand_over(receiver, Interrupt::CAN1_RX0);
         Self { can, runs, inbox }
     }
 }
@@ -127,11 +107,11 @@ fn configure(can: &CAN1, timing: Option<BitTiming>, filters: &[(u16, u16); 3]) -
 impl FrameReceiver {
     /// Takes one frame into the queue. The interrupt comes again as long as there are others.
     #[inline(always)]
-    fn run(&mut self) {
+    pub(super) fn run(&mut self) {
         let status = self.can.rf0r().read();
         if status.fovr().bit_is_set() {
             self.can.rf0r().write(|w| w.fovr().set_bit());
-            count_lost();
+            handover::count_lost();
         }
         // The place of the frame before may not be free yet.
         if status.rfom().bit_is_set() || status.fmp().bits() == 0 {
@@ -147,34 +127,16 @@ impl FrameReceiver {
             return;
         };
         let frame = ClassicFrame::of(id.into(), length, [a, b, c, d, e, f, g, h]);
-        if self.frames.enqueue(frame).is_err() {
-            count_lost();
-        }
+        handover::put(&mut self.frames, frame);
     }
 }
 
-/// Reception, until the interrupt has taken it.
-static RECEIVER: Mutex<Cell<Option<FrameReceiver>>> = Mutex::new(Cell::new(None));
-
 /// Moves a frame from the bus into its queue. Above the tick, and everything else: the controller holds three frames,
-/// and at 1 Mbit/s a fourth is there after 444 us, less than a tick may take. An interrupt of its own: as a task it
-/// would be unmasked in every image.
+/// and at 1 Mbit/s a fourth is there after 444 us, less than a tick may take.
 #[interrupt]
 fn CAN1_RX0() {
     static mut OWN: Option<FrameReceiver> = None;
-    if OWN.is_none() {
-        *OWN = free(|section| RECEIVER.borrow(section).take());
-    }
-    if let Some(receiver) = OWN {
-        receiver.run();
-    }
-}
-
-/// Counts a lost frame.
-#[cold]
-fn count_lost() {
-    // A load and a store would do: the log, which sets the count to 0, is below.
-    LOST.fetch_add(1, Ordering::Relaxed);
+    handover::run(OWN);
 }
 
 impl embedded_can::nb::Can for BusController {

@@ -8,11 +8,10 @@ use crate::board::role::Role;
 use std::collections::BTreeSet;
 
 /// Pins of three motors that the firmware keeps in an array: role, type of the element, of one port and of several.
-const GROUPS: [(Role, &str, [&str; 2]); 4] = [
+const GROUPS: [(Role, &str, [&str; 2]); 3] = [
     (Role::Step, "StepOutput", OUTPUTS),
     (Role::Direction, "DirectionOutput", OUTPUTS),
     (Role::Failure, "FailureInput", INPUTS),
-    (Role::Homing, "HomingInput", INPUTS),
 ];
 
 const OUTPUTS: [&str; 2] = ["PortOutput", "AnyOutput"];

@@ -1,12 +1,13 @@
 //! CAN1 (bxCAN, RM0090 chapter 32): three mailboxes, filters of 32 bits with a mask, FIFO 0, counters of errors, bus-off.
 
-use crate::bus::{BusEvent, CanBus, WireFrame};
+use super::{CanController, Confinement, PLACES, SendError, is_off_rate};
+use crate::bus::{CanBus, WireFrame};
 use crate::time::{SECOND, Time};
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 use std::collections::VecDeque;
 
 /// Interrupt of FIFO 0.
-pub(super) const RX0: u16 = 20;
+const RX0: u16 = 20;
 
 const INITIALISE: u32 = 1;
 const SLEEP: u32 = 1 << 1;
@@ -16,19 +17,6 @@ const IN_ORDER: u32 = 1 << 2;
 const RECOVERS: u32 = 1 << 6;
 
 const REQUESTED: u32 = 1;
-
-/// Places of FIFO 0.
-const PLACES: usize = 3;
-
-/// Error counters at which the controller is passive, and off.
-const PASSIVE: u32 = 128;
-const OFF: u32 = 256;
-
-/// Bits of silence after which the controller takes part, and after which one that is off is back: 128 times.
-const SILENCE: Time = 11;
-
-/// Parts of the bit rate by which the controller's may be off that of the drives.
-const RATE_ERROR: f64 = 0.005;
 
 #[derive(Clone, Debug, Default)]
 struct Mailbox {
@@ -56,15 +44,8 @@ pub(crate) struct BxCan {
     filter_modes: [u32; 3],
     filters_on: u32,
     filters: [[u32; 2]; 28],
-    transmit_errors: u32,
+    confinement: Confinement,
     last_error: u32,
-    /// Time from which on the controller takes part; none in initialisation, asleep and off the bus.
-    on_since: Option<Time>,
-    /// Time at which a controller that is off the bus is back.
-    back_at: Option<Time>,
-    is_off: bool,
-    /// Times that the controller went off the bus.
-    pub(crate) offs: u32,
 }
 
 impl BxCan {
@@ -83,12 +64,8 @@ impl BxCan {
             filter_modes: [0; 3],
             filters_on: 0,
             filters: [[0; 2]; 28],
-            transmit_errors: 0,
+            confinement: Confinement::default(),
             last_error: 0,
-            on_since: None,
-            back_at: None,
-            is_off: false,
-            offs: 0,
         }
     }
 
@@ -103,48 +80,10 @@ impl BxCan {
         (SECOND as f64 / self.bit_rate_hz(clock)) as Time
     }
 
-    /// Returns true from the time on at which the controller takes part.
-    fn is_on(&self, now: Time) -> bool {
-        self.on_since.is_some_and(|since| since <= now)
-    }
-
-    /// Returns the time of the next change.
-    pub(crate) fn next(&self, bus: Option<&dyn CanBus>) -> Option<Time> {
-        let on = self.on_since.and_then(|_| bus.and_then(CanBus::next));
-        on.into_iter().chain(self.back_at).min()
-    }
-
-    pub(crate) fn interrupts(&self) -> bool {
-        self.interrupts & 1 << 1 != 0 && !self.fifo.is_empty()
-    }
-
-    /// Brings the controller and its bus to the present time.
-    pub(crate) fn advance(&mut self, now: Time, clock: Time, bus: Option<&mut (dyn CanBus + '_)>) {
-        if self.back_at.is_some_and(|back| back <= now) {
-            self.on_since = self.back_at.take();
-            self.is_off = false;
-            self.transmit_errors = 0;
-        }
-        let Some(bus) = bus else {
-            return;
-        };
-        let off_by = self.bit_rate_hz(clock) / f64::from(bus.bit_rate_hz()) - 1.0;
-        loop {
-            bus.set_listening(self.is_on(now) && off_by.abs() <= RATE_ERROR);
-            self.choose(now);
-            let offered = self.offered.and_then(|index| self.frame(index));
-            bus.offer(offered);
-            let Some((time, event)) = bus.step(now) else {
-                return;
-            };
-            self.handle(time, clock, event);
-        }
-    }
-
     /// Chooses the mailbox that takes part in the next arbitration.
     fn choose(&mut self, now: Time) {
         let requested = |index: &usize| self.mailboxes[*index].order.is_some();
-        self.offered = match self.is_on(now) {
+        self.offered = match self.confinement.is_on(now) {
             false => None,
             true if self.control & IN_ORDER != 0 => (0..3)
                 .filter(requested)
@@ -171,44 +110,6 @@ impl BxCan {
         }
     }
 
-    fn handle(&mut self, time: Time, clock: Time, event: BusEvent) {
-        match event {
-            BusEvent::Sent(frame) => {
-                self.transmit_errors = self.transmit_errors.saturating_sub(1);
-                self.last_error = 0;
-                let of = |index: &usize| self.frame(*index).as_ref() == Some(&frame);
-                let sent = (0..3)
-                    .filter(|index| self.mailboxes[*index].order.is_some())
-                    .find(of);
-                if let Some(index) = sent {
-                    self.end(index, true);
-                }
-            }
-            BusEvent::NotAcknowledged => {
-                // One that is passive counts no more frames without an acknowledgement: none else may be on the bus.
-                if self.transmit_errors < PASSIVE {
-                    self.transmit_errors += 8;
-                }
-                self.last_error = 3;
-                self.drop_aborted();
-            }
-            BusEvent::BitError => {
-                self.transmit_errors += 8;
-                // A dominant bit that was read as recessive.
-                self.last_error = 5;
-                self.drop_aborted();
-                if self.transmit_errors >= OFF {
-                    self.is_off = true;
-                    self.offs += 1;
-                    self.on_since = None;
-                    let silence = 128 * SILENCE * self.bit(clock);
-                    self.back_at = (self.control & RECOVERS != 0).then(|| time + silence);
-                }
-            }
-            BusEvent::Received(frame) => self.receive(&frame),
-        }
-    }
-
     /// Ends a mailbox's request.
     fn end(&mut self, index: usize, sent: bool) {
         let mailbox = &mut self.mailboxes[index];
@@ -222,6 +123,66 @@ impl BxCan {
             if self.mailboxes[index].aborted {
                 self.end(index, false);
             }
+        }
+    }
+
+    /// TSR.
+    fn transmit_status(&self) -> u32 {
+        let empty = (0..3).filter(|index| self.mailboxes[*index].order.is_none());
+        let first = empty.clone().next().unwrap_or(0) as u32;
+        let aborts = (0..3).filter(|index| self.mailboxes[*index].aborted);
+        self.results
+            | first << 24
+            | empty.fold(0, |bits, index| bits | 1 << (26 + index))
+            | aborts.fold(0, |bits, index| bits | 1 << (7 + 8 * index))
+    }
+}
+
+impl CanController for BxCan {
+    fn interrupt(&self) -> u16 {
+        RX0
+    }
+
+    fn interrupts(&self) -> bool {
+        self.interrupts & 1 << 1 != 0 && !self.fifo.is_empty()
+    }
+
+    fn confinement(&self) -> &Confinement {
+        &self.confinement
+    }
+
+    fn confinement_mut(&mut self) -> &mut Confinement {
+        &mut self.confinement
+    }
+
+    fn understands(&self, clock: Time, bus: &dyn CanBus) -> bool {
+        !is_off_rate(self.bit_rate_hz(clock), bus.bit_rate_hz())
+    }
+
+    fn offered(&mut self, now: Time) -> Option<WireFrame> {
+        self.choose(now);
+        self.offered.and_then(|index| self.frame(index))
+    }
+
+    fn sent(&mut self, frame: &WireFrame) {
+        self.last_error = 0;
+        let of = |index: &usize| self.frame(*index).as_ref() == Some(frame);
+        let sent = (0..3)
+            .filter(|index| self.mailboxes[*index].order.is_some())
+            .find(of);
+        if let Some(index) = sent {
+            self.end(index, true);
+        }
+    }
+
+    fn failed(&mut self, error: SendError) {
+        self.last_error = error as u32;
+        self.drop_aborted();
+    }
+
+    fn gone_off(&mut self, time: Time, clock: Time) {
+        if self.control & RECOVERS != 0 {
+            self.confinement.start(time, self.bit(clock));
         }
     }
 
@@ -263,18 +224,7 @@ impl BxCan {
         self.fifo.push_back(place);
     }
 
-    /// TSR.
-    fn transmit_status(&self) -> u32 {
-        let empty = (0..3).filter(|index| self.mailboxes[*index].order.is_none());
-        let first = empty.clone().next().unwrap_or(0) as u32;
-        let aborts = (0..3).filter(|index| self.mailboxes[*index].aborted);
-        self.results
-            | first << 24
-            | empty.fold(0, |bits, index| bits | 1 << (26 + index))
-            | aborts.fold(0, |bits, index| bits | 1 << (7 + 8 * index))
-    }
-
-    pub(crate) fn read(&self, offset: u32) -> Option<u32> {
+    fn read(&self, offset: u32) -> Option<u32> {
         let flag = |is: bool, bit: u32| u32::from(is) << bit;
         let bank = |offset: u32| ((offset - 0x240) / 8) as usize;
         Some(match offset {
@@ -291,12 +241,12 @@ impl BxCan {
             }
             0x14 => self.interrupts,
             0x18 => {
-                let errors = self.transmit_errors;
-                flag(errors >= 96, 0)
-                    | flag(errors >= PASSIVE, 1)
-                    | flag(self.is_off, 2)
+                let confinement = &self.confinement;
+                flag(confinement.warns(), 0)
+                    | flag(confinement.is_passive(), 1)
+                    | flag(confinement.is_off, 2)
                     | self.last_error << 4
-                    | errors.min(255) << 16
+                    | confinement.shown_errors() << 16
             }
             0x1C => self.timing,
             0x180..=0x1AF => {
@@ -317,25 +267,17 @@ impl BxCan {
         })
     }
 
-    /// The controller has to be [advanced](Self::advance) to `now` before, and after.
-    pub(crate) fn write(
-        &mut self,
-        offset: u32,
-        value: u32,
-        now: Time,
-        clock: Time,
-        is_sending: bool,
-    ) -> bool {
+    fn write(&mut self, offset: u32, value: u32, now: Time, clock: Time, is_sending: bool) -> bool {
         match offset {
             0x00 => {
                 let was_on = self.control & (INITIALISE | SLEEP) == 0;
                 self.control = value;
                 let on = value & (INITIALISE | SLEEP) == 0;
                 if on && !was_on {
-                    self.on_since = Some(now + SILENCE * self.bit(clock));
+                    self.confinement.start(now, self.bit(clock));
                 }
                 if !on {
-                    self.on_since = None;
+                    self.confinement.stop();
                 }
             }
             0x08 => {
@@ -394,10 +336,11 @@ impl BxCan {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::time::MS;
+    use crate::bus::BusEvent;
+    use crate::time::{MICROSECOND, MS};
 
     /// Period of APB1 at 42 MHz, and the timing of 1 Mbit/s as the image writes it: 14 quanta of three periods.
-    const CLOCK: Time = 24;
+    const CLOCK: Time = SECOND / 42_000_000;
     const TIMING: u32 = 1 << 24 | 1 << 20 | 10 << 16 | 2;
 
     fn started(control: u32) -> BxCan {
@@ -433,7 +376,9 @@ mod tests {
         assert_eq!(can.bit_rate_hz(CLOCK), 1e6);
         can.write(0x1C, 0, MS, CLOCK, false);
         assert_eq!(can.read(0x1C), Some(TIMING));
-        assert!(!can.is_on(10 * 1008) && can.is_on(11 * 1008));
+        assert!(
+            !can.confinement.is_on(10 * MICROSECOND) && can.confinement.is_on(11 * MICROSECOND)
+        );
     }
 
     #[test]
@@ -497,14 +442,14 @@ mod tests {
             can.handle(MS, CLOCK, BusEvent::BitError);
         }
         assert_eq!(can.read(0x18).expect("ESR") & 0b111, 0b111);
-        assert!(!can.is_on(MS));
+        assert!(!can.confinement.is_on(MS));
         // Back after 128 times 11 bits of a microsecond.
-        let back = MS + 1408 * 1008;
-        assert_eq!(can.next(None), Some(back));
+        let back = MS + 1408 * MICROSECOND;
+        assert_eq!(can.confinement.next(None), Some(back));
         can.advance(back - 1, CLOCK, None);
-        assert!(!can.is_on(back - 1));
+        assert!(!can.confinement.is_on(back - 1));
         can.advance(back, CLOCK, None);
-        assert!(can.is_on(back));
+        assert!(can.confinement.is_on(back));
         assert_eq!(can.read(0x18).expect("ESR") >> 16, 0);
     }
 }

@@ -1,13 +1,14 @@
 //! FDCAN1 (RM0440, chapter 44): three buffers out in the order of their requests, filters by identifier and mask, FIFO 0, counters of
 //! errors, bus-off, and the message RAM.
 
-use crate::bus::{BusEvent, CanBus, WireFrame};
+use super::{CanController, Confinement, PLACES, SendError, is_off_rate};
+use crate::bus::{CanBus, WireFrame};
 use crate::time::{SECOND, Time};
 use embedded_can::{ExtendedId, Frame, Id, StandardId};
 use trirrr_drives::can::{Moteus, length_code, length_of};
 
 /// Interrupt of line 0.
-pub(super) const IT0: u16 = 21;
+const IT0: u16 = 21;
 
 const INITIALISE: u32 = 1;
 /// Settings may be changed.
@@ -20,9 +21,6 @@ const NEW: u32 = 1;
 const FULL: u32 = 1 << 1;
 const LOST: u32 = 1 << 2;
 
-/// Places of FIFO 0, and buffers of frames that go out.
-const PLACES: usize = 3;
-
 /// Words of the message RAM, and where its parts begin.
 const WORDS: usize = 212;
 const LONG_FILTERS: usize = 28;
@@ -30,16 +28,6 @@ const FIFO: usize = 44;
 const BUFFERS: usize = 158;
 /// Words of a frame.
 const FRAME: usize = 18;
-
-/// Error counters at which the controller is passive, and off.
-const PASSIVE: u32 = 128;
-const OFF: u32 = 256;
-
-/// Bits of silence after which the controller takes part, and after which one that is off is back: 128 times.
-const SILENCE: Time = 11;
-
-/// Parts of a bit rate by which the controller's may be off that of the drives.
-const RATE_ERROR: f64 = 0.005;
 
 #[derive(Clone, Debug)]
 pub(crate) struct FdCan {
@@ -59,12 +47,7 @@ pub(crate) struct FdCan {
     requested: Vec<usize>,
     cancelled: u32,
     next_buffer: usize,
-    transmit_errors: u32,
-    /// Time from which on the controller takes part; none in initialisation and off the bus.
-    on_since: Option<Time>,
-    is_off: bool,
-    /// Times that the controller has gone off the bus.
-    pub(crate) offs: u32,
+    confinement: Confinement,
 }
 
 impl FdCan {
@@ -85,16 +68,14 @@ impl FdCan {
             requested: Vec::new(),
             cancelled: 0,
             next_buffer: 0,
-            transmit_errors: 0,
-            on_since: None,
-            is_off: false,
-            offs: 0,
+            confinement: Confinement::default(),
         }
     }
 
     /// Returns the rates of bits outside and in the data for a clock of this period, Hz.
     fn bit_rates_hz(&self, clock: Time) -> [f64; 2] {
-        let field = |word: u32, bit: u32, bits: u32| Time::from(word >> bit & ((1 << bits) - 1)) + 1;
+        let field =
+            |word: u32, bit: u32, bits: u32| Time::from(word >> bit & ((1 << bits) - 1)) + 1;
         let (nominal, data) = (self.nominal, self.data);
         let quanta = 1 + field(nominal, 8, 8) + field(nominal, 0, 7);
         let quanta_of_data = 1 + field(data, 8, 5) + field(data, 4, 4);
@@ -107,56 +88,6 @@ impl FdCan {
     fn bit(&self, clock: Time) -> Time {
         let [nominal, _] = self.bit_rates_hz(clock);
         (SECOND as f64 / nominal) as Time
-    }
-
-    /// Returns true if the controller reads the bits on the bus, and its own: at 5 Mbit/s a transceiver delays them by more than half
-    /// of one.
-    fn understands(&self, clock: Time, bus: &dyn CanBus) -> bool {
-        let [nominal, data] = self.bit_rates_hz(clock);
-        let off = |rate: f64, of: u32| (rate / f64::from(of) - 1.0).abs() > RATE_ERROR;
-        if off(nominal, bus.bit_rate_hz()) {
-            return false;
-        }
-        // In quanta of the clock: where the sample of the data is.
-        let sample = ((self.data >> 16 & 31) + 1) * ((self.data >> 8 & 31) + 2);
-        self.control & FLEXIBLE == 0
-            || !off(data, Moteus::DATA_RATE_HZ)
-                && self.data & COMPENSATES != 0
-                && self.compensation >> 8 & 0x7F == sample
-    }
-
-    fn is_on(&self, now: Time) -> bool {
-        self.on_since.is_some_and(|since| since <= now)
-    }
-
-    /// Returns the time of the next change.
-    pub(crate) fn next(&self, bus: Option<&dyn CanBus>) -> Option<Time> {
-        self.on_since.and_then(|_| bus.and_then(CanBus::next))
-    }
-
-    pub(crate) fn interrupts(&self) -> bool {
-        self.lines & 1 != 0 && self.flags & self.enabled != 0
-    }
-
-    /// Brings the controller and its bus to the present time.
-    pub(crate) fn advance(&mut self, now: Time, clock: Time, bus: Option<&mut (dyn CanBus + '_)>) {
-        if self.is_off && self.is_on(now) {
-            self.is_off = false;
-            self.transmit_errors = 0;
-        }
-        let Some(bus) = bus else {
-            return;
-        };
-        let understands = self.understands(clock, bus);
-        loop {
-            bus.set_listening(self.is_on(now) && understands);
-            let offered = self.requested.first().filter(|_| self.is_on(now));
-            bus.offer(offered.and_then(|buffer| self.frame(*buffer)));
-            let Some((_, event)) = bus.step(now) else {
-                return;
-            };
-            self.handle(event);
-        }
     }
 
     /// Returns the frame in a buffer; none if it is one of CAN FD and the controller sends none of them.
@@ -175,40 +106,12 @@ impl FdCan {
         if head & 1 << 29 != 0 {
             return WireFrame::new_remote(id, length.min(8));
         }
-        let bytes: Vec<u8> = words[2..].iter().flat_map(|word| word.to_le_bytes()).collect();
+        let bytes: Vec<u8> = words[2..]
+            .iter()
+            .flat_map(|word| word.to_le_bytes())
+            .collect();
         let length = if is_flexible { length } else { length.min(8) };
         WireFrame::new(id, &bytes[..length])
-    }
-
-    fn handle(&mut self, event: BusEvent) {
-        match event {
-            BusEvent::Sent(_) => {
-                self.transmit_errors = self.transmit_errors.saturating_sub(1);
-                if !self.requested.is_empty() {
-                    let sent = self.requested.remove(0);
-                    self.cancelled &= !(1 << sent);
-                }
-            }
-            BusEvent::NotAcknowledged => {
-                // One that is passive counts no more frames without an acknowledgement: none else may be on the bus.
-                if self.transmit_errors < PASSIVE {
-                    self.transmit_errors += 8;
-                }
-                self.drop_cancelled();
-            }
-            BusEvent::BitError => {
-                self.transmit_errors += 8;
-                self.drop_cancelled();
-                if self.transmit_errors >= OFF {
-                    // The program has to leave the initialisation.
-                    self.is_off = true;
-                    self.offs += 1;
-                    self.control |= INITIALISE;
-                    self.on_since = None;
-                }
-            }
-            BusEvent::Received(frame) => self.receive(&frame),
-        }
     }
 
     fn drop_cancelled(&mut self) {
@@ -237,6 +140,62 @@ impl FdCan {
             }
         }
     }
+}
+
+impl CanController for FdCan {
+    fn interrupt(&self) -> u16 {
+        IT0
+    }
+
+    fn interrupts(&self) -> bool {
+        self.lines & 1 != 0 && self.flags & self.enabled != 0
+    }
+
+    fn confinement(&self) -> &Confinement {
+        &self.confinement
+    }
+
+    fn confinement_mut(&mut self) -> &mut Confinement {
+        &mut self.confinement
+    }
+
+    /// Its own: at 5 Mbit/s a transceiver delays them by more than half of one.
+    fn understands(&self, clock: Time, bus: &dyn CanBus) -> bool {
+        let [nominal, data] = self.bit_rates_hz(clock);
+        if is_off_rate(nominal, bus.bit_rate_hz()) {
+            return false;
+        }
+        // In quanta of the clock: where the sample of the data is.
+        let sample = ((self.data >> 16 & 31) + 1) * ((self.data >> 8 & 31) + 2);
+        self.control & FLEXIBLE == 0
+            || !is_off_rate(data, Moteus::DATA_RATE_HZ)
+                && self.data & COMPENSATES != 0
+                && self.compensation >> 8 & 0x7F == sample
+    }
+
+    fn offered(&mut self, now: Time) -> Option<WireFrame> {
+        let first = self
+            .requested
+            .first()
+            .filter(|_| self.confinement.is_on(now));
+        first.and_then(|buffer| self.frame(*buffer))
+    }
+
+    fn sent(&mut self, _: &WireFrame) {
+        if !self.requested.is_empty() {
+            let sent = self.requested.remove(0);
+            self.cancelled &= !(1 << sent);
+        }
+    }
+
+    fn failed(&mut self, _: SendError) {
+        self.drop_cancelled();
+    }
+
+    /// The program has to leave the initialisation.
+    fn gone_off(&mut self, _: Time, _: Time) {
+        self.control |= INITIALISE;
+    }
 
     fn receive(&mut self, frame: &WireFrame) {
         // All that no filter takes is rejected, if the global filter says so: 2 and 3 of its fields.
@@ -253,7 +212,11 @@ impl FdCan {
             Id::Standard(id) => u32::from(id.as_raw()) << 18,
             Id::Extended(id) => id.as_raw() | 1 << 30,
         };
-        let flexible = if self.control & FLEXIBLE != 0 { 0b11 << 20 } else { 0 };
+        let flexible = if self.control & FLEXIBLE != 0 {
+            0b11 << 20
+        } else {
+            0
+        };
         let code = length_code(frame.dlc()).unwrap_or(0);
         let words = &mut self.ram[place..place + FRAME];
         words[0] = head | u32::from(frame.is_remote_frame()) << 29;
@@ -270,17 +233,22 @@ impl FdCan {
         }
     }
 
-    pub(crate) fn read(&self, offset: u32) -> Option<u32> {
+    fn read(&self, offset: u32) -> Option<u32> {
         let flag = |is: bool, bit: u32| u32::from(is) << bit;
-        let pending = self.requested.iter().fold(0, |bits, buffer| bits | 1 << buffer);
+        let pending = self
+            .requested
+            .iter()
+            .fold(0, |bits, buffer| bits | 1 << buffer);
         Some(match offset {
             0x0C => self.data,
             0x18 => self.control,
             0x1C => self.nominal,
-            0x40 => self.transmit_errors.min(255),
+            0x40 => self.confinement.shown_errors(),
             0x44 => {
-                let errors = self.transmit_errors;
-                flag(errors >= PASSIVE, 5) | flag(errors >= 96, 6) | flag(self.is_off, 7)
+                let confinement = &self.confinement;
+                flag(confinement.is_passive(), 5)
+                    | flag(confinement.warns(), 6)
+                    | flag(confinement.is_off, 7)
             }
             0x48 => self.compensation,
             0x50 => self.flags,
@@ -289,7 +257,10 @@ impl FdCan {
             0x80 => self.filter_control,
             0x90 => {
                 let (filled, first) = (self.filled as u32, self.first as u32);
-                filled | first << 8 | flag(self.filled == PLACES, 24) | flag(self.flags & LOST != 0, 25)
+                filled
+                    | first << 8
+                    | flag(self.filled == PLACES, 24)
+                    | flag(self.flags & LOST != 0, 25)
             }
             0xC0 => 0,
             0xC4 => {
@@ -303,15 +274,7 @@ impl FdCan {
         })
     }
 
-    /// The controller has to be [advanced](Self::advance) to `now` before, and after.
-    pub(crate) fn write(
-        &mut self,
-        offset: u32,
-        value: u32,
-        now: Time,
-        clock: Time,
-        is_sending: bool,
-    ) -> bool {
+    fn write(&mut self, offset: u32, value: u32, now: Time, clock: Time, is_sending: bool) -> bool {
         let may_change = self.control & (INITIALISE | CHANGE) == INITIALISE | CHANGE;
         match offset {
             0x18 => {
@@ -319,12 +282,11 @@ impl FdCan {
                 let kept = if may_change { 0 } else { FLEXIBLE };
                 self.control = value & !kept | self.control & kept;
                 if value & INITIALISE != 0 {
-                    self.on_since = None;
+                    self.confinement.stop();
                 } else {
                     self.control &= !CHANGE;
                     if !was_on {
-                        let times = if self.is_off { 128 } else { 1 };
-                        self.on_since = Some(now + times * SILENCE * self.bit(clock));
+                        self.confinement.start(now, self.bit(clock));
                     }
                 }
             }
@@ -365,12 +327,12 @@ impl FdCan {
         true
     }
 
-    pub(crate) fn read_ram(&self, offset: u32) -> Option<u32> {
+    fn read_ram(&self, offset: u32) -> Option<u32> {
         self.ram.get(offset as usize / 4).copied()
     }
 
     /// The RAM takes whole words alone.
-    pub(crate) fn write_ram(&mut self, offset: u32, size: usize, value: u32) -> bool {
+    fn write_ram(&mut self, offset: u32, size: usize, value: u32) -> bool {
         match self.ram.get_mut(offset as usize / 4) {
             Some(word) if size == 4 => *word = value,
             _ => return false,
@@ -407,7 +369,10 @@ mod tests {
         }
         assert_eq!(can.read(0x90), Some(1));
         assert_eq!(can.read_ram(4 * FIFO as u32), Some(1 << 30 | 0x900));
-        assert_eq!(can.read_ram(4 * FIFO as u32 + 4), Some(12 << 16 | 0b11 << 20));
+        assert_eq!(
+            can.read_ram(4 * FIFO as u32 + 4),
+            Some(12 << 16 | 0b11 << 20)
+        );
         assert_eq!(can.flags, NEW);
         assert!(can.write(0x94, 0, 0, 6, false));
         assert_eq!(can.read(0x90), Some(1 << 8));

@@ -1,0 +1,54 @@
+//! Outputs of the tick: the drives, and beside them brake, tool and lamp, where the scene has them.
+
+use crate::drives::Drives;
+#[cfg(any(brake, lamp))]
+use crate::wiring::BoardPin;
+use trirrr_app::outputs::WithParts;
+
+#[cfg(brake)]
+type Brake = trirrr_app::outputs::BrakePin<<crate::board::Brake as BoardPin>::Output>;
+#[cfg(not(brake))]
+type Brake = ();
+#[cfg(not(tool = "none"))]
+type Tool = trirrr_app::outputs::SceneTool<crate::tool::ToolPin>;
+#[cfg(tool = "none")]
+type Tool = ();
+#[cfg(lamp)]
+type Lamp = trirrr_app::LampPin<<crate::board::Lamp as BoardPin>::Output>;
+#[cfg(not(lamp))]
+type Lamp = ();
+
+/// Outputs of this image.
+pub(crate) type BoardOutputs = WithParts<Drives, (Brake, Tool, Lamp)>;
+
+/// Drives and tool, which are off, and the pins beside them.
+pub(crate) struct OutputPins {
+    pub(crate) drives: Drives,
+    #[cfg(brake)]
+    pub(crate) brake: crate::board::Brake,
+    #[cfg(not(tool = "none"))]
+    pub(crate) tool: crate::tool::ToolPin,
+    #[cfg(lamp)]
+    pub(crate) lamp: crate::board::Lamp,
+}
+
+/// Joins the outputs, all off.
+pub(crate) fn build(pins: OutputPins) -> BoardOutputs {
+    WithParts {
+        drives: pins.drives,
+        parts: (
+            #[cfg(brake)]
+            Brake::new(pins.brake.output(false)),
+            #[cfg(not(brake))]
+            (),
+            #[cfg(not(tool = "none"))]
+            trirrr_app::outputs::tool_line(pins.tool),
+            #[cfg(tool = "none")]
+            (),
+            #[cfg(lamp)]
+            Lamp::new(pins.lamp.output(false)),
+            #[cfg(not(lamp))]
+            (),
+        ),
+    }
+}
