@@ -52,6 +52,8 @@ pub mod slots;
 mod tick;
 #[cfg(target_os = "none")]
 mod tick_clock;
+#[cfg(target_os = "none")]
+pub mod usb;
 
 #[cfg(target_os = "none")]
 pub use background::Background;
