@@ -1,7 +1,7 @@
 #!/usr/bin/env node
 // Executes the flashed image of the RP2040 on rp2040js, plays its job by `trirrr stream`, and checks its pins.
 //
-// Arguments: the folder with `node_modules/rp2040js`, and a file of settings that `cargo xtask rp2040 --run` writes. Prints a line for each
+// Arguments: the folder with `node_modules/rp2040js`, a file of settings that `cargo xtask rp2040 --run` writes, and a case, or none for all. Prints a line for each
 // figure; ends with 1 at the first that is out of bounds.
 "use strict";
 
@@ -10,8 +10,9 @@ const fs = require("node:fs");
 const net = require("node:net");
 const path = require("node:path");
 const { Board } = require("./board.js");
+const { UsbHost } = require("./usb.js");
 
-const [folder, settingsFile] = process.argv.slice(2);
+const [folder, settingsFile, only] = process.argv.slice(2);
 const library = require(path.join(path.resolve(folder), "node_modules", "rp2040js"));
 const settings = JSON.parse(fs.readFileSync(settingsFile, "utf8"));
 const MS = 1e6;
@@ -50,9 +51,16 @@ function powerUp() {
   figure("line: baud rate", baud, "921600 ± 1 %", Math.abs(baud / 921_600 - 1) <= 0.01);
 }
 
-/** Plays the job by the program. The board goes on until the program ends, or `until` says so. */
-function play(image, out, until) {
+/** A board; with a host at its USB plug. */
+function boardOf(image, hasUsb) {
   const board = new Board(library, image);
+  if (hasUsb) board.host = new UsbHost(board);
+  return board;
+}
+
+/** Plays the job by the program. The board goes on until the program ends; or until `until` says so, whatever the program does. */
+function play(image, out, { until, hasUsb = false } = {}) {
+  const board = boardOf(image, hasUsb);
   return new Promise((resolve) => {
     let said = "";
     let over = false;
@@ -65,6 +73,7 @@ function play(image, out, until) {
       socket.setNoDelay(true);
       socket.on("data", (bytes) => board.toBoard.push(...bytes));
       socket.on("error", () => {});
+      board.host?.open();
       board.onByte = (byte) => socket.write(Buffer.of(byte));
     });
     server.listen(0, "127.0.0.1", () => {
@@ -72,10 +81,12 @@ function play(image, out, until) {
       const client = spawn(settings.trirrr, ["stream", settings.scene, "--port", port, "--out", out]);
       client.stdout.on("data", (text) => (said += text));
       client.stderr.on("data", (text) => (said += text));
-      client.on("exit", finish);
+      if (!until) client.on("exit", finish);
       const step = () => {
         if (over) return;
         board.run(MS);
+        // The start of the program has no interrupts.
+        board.countsMasked ||= board.edges[settings.step[0]].length > 1;
         if (board.resetNs !== undefined || until?.(board)) {
           client.removeListener("exit", finish);
           client.kill();
@@ -172,10 +183,10 @@ function checkTool(board, rows) {
   figure("job: changes of the tool's pin, against those of its power", edges.length, changes, edges.length === changes);
 }
 
-async function job() {
+async function job(image, hasUsb) {
   const out = path.join(folder, "streamed");
   fs.rmSync(out, { recursive: true, force: true });
-  const { board, code, said } = await play(settings.image, out);
+  const { board, code, said } = await play(image, out, { hasUsb });
   if (code !== 0) {
     console.error(said);
   }
@@ -185,6 +196,7 @@ async function job() {
   checkTool(board, rows);
   const longest = /longest took ([0-9.]+)/.exec(said)?.[1];
   figure("job: longest tick, µs", longest, `< ${settings.tickS * 1e6}`, longest < settings.tickS * 1e6);
+  return board;
 }
 
 /** Hangs the tick in mid-move: no interrupt comes any more. */
@@ -199,7 +211,7 @@ async function hang() {
     }
     return hungNs !== undefined && board.ns > hungNs + 1e9;
   };
-  const { board } = await play(settings.image, path.join(folder, "hung"), moving);
+  const { board } = await play(settings.image, path.join(folder, "hung"), { until: moving });
   const after = ((board.resetNs ?? Infinity) - hungNs) / MS;
   const bound = settings.watchdogS * 1e3 + 2 * settings.tickS * 1e3;
   figure("hung tick: the watchdog resets the chip after, ms", after.toFixed(1), `≤ ${bound}`, after <= bound);
@@ -215,9 +227,76 @@ async function panic() {
   figure("panic: ports in reset before that", (board.inReset & PORTS) === PORTS, "true", (board.inReset & PORTS) === PORTS);
 }
 
+/** The board at a host without a program. */
+function plugIn() {
+  const board = boardOf(settings.usb.image, true);
+  board.run(300 * MS);
+  const { device, configuredNs, wrongToggles } = board.host;
+  figure("usb: enumerated after its start, ms", ((configuredNs ?? Infinity) / MS).toFixed(1), "≤ 150", configuredNs <= 150 * MS);
+  figure("usb: the address that the host gave", device.address, 7, device.address === 7);
+  figure("usb: manufacturer, product, serial number", device.texts.join(", "), "trirrr, trirrr, ", device.texts.join() === "trirrr,trirrr,");
+  figure("usb: packets out of turn", wrongToggles, 0, wrongToggles === 0);
+  const on = everOn(board);
+  figure("usb: outputs that were on within 300 ms, without a program", on.join(", ") || "none", "none", !on.length);
+}
+
+/** Time of the last step, from `since` on, ms, and the number of steps. */
+function lastStep(board, since) {
+  const edges = settings.step.flatMap((pin) => board.edges[pin]).filter((edge) => edge.level);
+  return [(Math.max(...edges.map(({ ns }) => ns)) - since) / MS, edges.length];
+}
+
+/** Breaks the line by `cut` in mid-move: the machine comes to rest on its path, and the board goes on. `mend` follows. Returns the board. */
+async function breakOff(name, cut, mend) {
+  const bound = (settings.silenceS + settings.holdRampS + 3 * settings.tickS) * 1e3;
+  let cutNs;
+  let mendNs;
+  let seen = 0;
+  const broken = (board) => {
+    if (cutNs === undefined && board.edges[settings.step[0]].length > 100) {
+      cutNs = board.ns;
+      cut(board);
+    }
+    // Long after the job would have ended.
+    if (mendNs === undefined && board.ns > cutNs + (bound + 1500) * MS) {
+      mendNs = board.ns;
+      board.onByte = () => seen++;
+      mend(board);
+    }
+    return board.ns > mendNs + 400 * MS;
+  };
+  const { board } = await play(settings.usb.image, path.join(folder, "broken"), { until: broken, hasUsb: true });
+  const [last, count] = lastStep(board, cutNs);
+  figure(`usb: ${name}: the last step after, ms`, last.toFixed(1), `≤ ${bound.toFixed(1)}`, last <= bound);
+  figure(`usb: ${name}: steps, of those of the job`, count, `< ${settings.usb.steps}`, count < settings.usb.steps);
+  figure(`usb: ${name}: the board is reset`, board.resetNs !== undefined, false, board.resetNs === undefined);
+  figure(`usb: ${name}: bytes once it is mended`, seen, "> 0", seen > 0);
+  return board;
+}
+
+async function usb() {
+  settings.leastUs = settings.usb.leastUs;
+  plugIn();
+  const played = await job(settings.usb.image, true);
+  settings.usb.steps = lastStep(played, 0)[1];
+  figure("usb: packets out of turn", played.host.wrongToggles, 0, played.host.wrongToggles === 0);
+  const pulled = await breakOff(
+    "cable pulled in mid-move",
+    ({ host }) => host.unplug(),
+    ({ host }) => host.plugIn(),
+  );
+  const stopped = await breakOff(
+    "a program that stops in mid-move",
+    ({ host }) => host.stop(true),
+    ({ host }) => host.stop(false),
+  );
+  const masked = Math.max(...[played, pulled, stopped].map((board) => board.longestMaskedNs)) / 1e3;
+  figure("usb: longest time without interrupts, µs", masked.toFixed(2), `≤ ${settings.usb.maskedUs}`, masked <= settings.usb.maskedUs);
+}
+
 (async () => {
-  powerUp();
-  await job();
-  await hang();
-  await panic();
+  const cases = { "power-up": powerUp, job: () => job(settings.image, false), "hung-tick": hang, panic, usb };
+  for (const [name, run] of Object.entries(cases)) {
+    if (!only || only === name) await run();
+  }
 })();

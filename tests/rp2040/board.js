@@ -10,12 +10,14 @@ const CYCLE_NS = 8;
 const LOADED = 1; // PT_LOAD
 // At 921,600 baud, 10 bits.
 const BYTE_NS = 10_851;
+// Exception of USBCTRL_IRQ.
+const USB_EXCEPTION = 16 + 5;
 const WATCHDOG = 0x40058;
 const RESETS = 0x4000c;
 const PSM = 0x40010;
 
 class Board {
-  /** @param library rp2040js  @param image path of the ELF */
+  /** @param library rp2040js  @param image path of the ELF, whose line is a UART; or USB, with a host in `host` */
   constructor(library, image) {
     this.rp = new library.RP2040();
     // Of registers that rp2040js has not, the image needs none.
@@ -31,6 +33,8 @@ class Board {
     core.exceptionEntry = (number) => {
       enter(number);
       core.PC &= ~1;
+      // Nor does it forget an interrupt that the program has called, where the controller does not ask for it.
+      if (number === USB_EXCEPTION && !this.rp.usbCtrl.intStatus) core.pendingInterrupts &= ~(1 << (USB_EXCEPTION - 16));
     };
     core.VTOR = VECTORS;
     core.SP = this.rp.readUint32(VECTORS);
@@ -47,7 +51,16 @@ class Board {
     this.rp.uart[1].onByte = () => this.logged++;
     /** Time at which the watchdog has reset the chip, if it has. */
     this.resetNs = undefined;
-    this.watchdog.onWatchdogTrigger = () => (this.resetNs ??= this.ns);
+    /** Host at the USB plug, for an image with that line. */
+    this.host = undefined;
+    /** Longest time without any interrupt, once `countsMasked` is set. */
+    this.countsMasked = false;
+    this.longestMaskedNs = 0;
+    this.watchdog.onWatchdogTrigger = () => {
+      this.resetNs ??= this.ns;
+      // It has bitten. rp2040js would let it bite again at the same time, for ever.
+      this.watchdog.timer.enable = false;
+    };
   }
 
   get ns() {
@@ -73,16 +86,28 @@ class Board {
     return { [this.states.High]: true, [this.states.Low]: false }[state];
   }
 
+  countMasked() {
+    if (this.rp.core.PM) {
+      this.maskedNs ??= this.ns;
+    } else if (this.maskedNs !== undefined) {
+      this.longestMaskedNs = Math.max(this.longestMaskedNs, this.ns - this.maskedNs);
+      this.maskedNs = undefined;
+    }
+  }
+
   /** Runs the board for so long, or until the watchdog resets it. */
   run(ns) {
     const { rp } = this;
     const end = this.ns + ns;
     while (this.ns < end && this.resetNs === undefined) {
-      if (this.toBoard.length && this.ns >= this.nextByte) {
+      if (this.host) {
+        this.host.step();
+      } else if (this.toBoard.length && this.ns >= this.nextByte) {
         rp.uart[0].feedByte(this.toBoard.shift());
         this.nextByte = this.ns + BYTE_NS;
       }
       rp.clock.tick(rp.core.executeInstruction() * CYCLE_NS);
+      if (this.countsMasked) this.countMasked();
     }
   }
 }

@@ -54,6 +54,8 @@ mod tick;
 mod tick_clock;
 #[cfg(all(target_os = "none", update))]
 mod update;
+#[cfg(target_os = "none")]
+pub mod usb;
 
 #[cfg(target_os = "none")]
 pub use background::Background;

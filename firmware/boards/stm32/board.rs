@@ -7,21 +7,25 @@ use crate::parts::Ports;
 use crate::pins::{AnyInput, AnyOutput, Inverted, PortInput, PortOutput};
 use trirrr_app::pins::NoPin;
 
-/// Names the interrupt of the line's port `LINE`: a task is bound to an interrupt by its name alone.
+/// Names the interrupt of the line's port `LINE`, and that of USB `USB`: a task is bound to an interrupt by its name alone. Both have to be
+/// interrupts of the chip, whichever task the image has.
 macro_rules! line_interrupt {
-    ($interrupt:ident) => {
+    ($interrupt:ident, $usb:ident) => {
         /// The device as RTIC sees it.
         pub(crate) mod device {
             pub(crate) use crate::parts::device::*;
 
             /// The interrupts of the tasks.
             pub(crate) mod interrupt {
-                pub(crate) use crate::parts::device::Interrupt::$interrupt as LINE;
+                pub(crate) use crate::parts::device::Interrupt::{$interrupt as LINE, $usb as USB};
                 pub(crate) use crate::parts::device::SLOTS as TIM7;
             }
         }
 
+        #[cfg(not(usb))]
         entry!($interrupt, LINE);
+        #[cfg(usb)]
+        entry!($usb, USB);
     };
 }
 

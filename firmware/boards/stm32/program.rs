@@ -7,6 +7,7 @@
 //! | 4 | TIM7 | a slot of the step pulses, in images for steppers; a sample of the loops, in images for amplifiers |
 //! | 3 | LINE, that of the line's port | a byte from the line into its queue |
 //! | 2 | SysTick | the tick |
+//! | 1 | USB | packets in both directions, in images with the line over USB in place of a port |
 //! | none | | the background |
 
 #[rtic::app(device = crate::board::device, peripherals = true)]
@@ -19,9 +20,18 @@ mod app {
     use crate::inputs::{self, BoardInputs, InputPins};
     use crate::outputs::{self, BoardOutputs, OutputPins};
     use crate::parts::{self, Watchdog};
-    use crate::serial::{self, LineReceiver, LineTransmitter, LogTransmitter};
+    use crate::serial::{self, LogTransmitter};
+    #[cfg(not(usb))]
+    use crate::serial::{LineReceiver, LineTransmitter};
+    #[cfg(usb)]
+    use crate::usb::{self, LineMemory, LineReceiver, LineTransmitter};
+    #[cfg(not(usb))]
     use embedded_hal_nb::serial::Read;
-    use heapless::spsc::{Producer, Queue};
+    // RTIC names the types of all resources.
+    use heapless::spsc::Producer;
+    #[cfg(any(not(usb), drive = "odrive", drive = "mit", drive = "moteus"))]
+    use heapless::spsc::Queue;
+    #[cfg(not(usb))]
     use trirrr_app::RECEIVED;
     use trirrr_app::{Background, Channels, Tick, TickClock, period};
     use trirrr_protocol::message::{Board, Clock};
@@ -31,7 +41,11 @@ mod app {
 
     #[local]
     struct Local {
+        #[cfg(not(usb))]
         receiver: LineReceiver,
+        #[cfg(usb)]
+        packets: LineReceiver,
+        #[cfg(not(usb))]
         received: Producer<'static, u8>,
         tick: Tick<BoardInputs, BoardOutputs>,
         timer: DriveTimer,
@@ -41,14 +55,20 @@ mod app {
 
     #[init(local = [
         channels: Channels = Channels::new(),
+        #[cfg(not(usb))]
         bytes: Queue<u8, RECEIVED> = Queue::new(),
+        #[cfg(usb)]
+        memory: LineMemory = LineMemory::new(),
         #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
         inbox: Inbox = Queue::new(),
     ])]
     fn init(context: init::Context) -> (Shared, Local) {
         let init::LocalResources {
             channels,
+            #[cfg(not(usb))]
             bytes,
+            #[cfg(usb)]
+            memory,
             #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
             inbox,
             ..
@@ -60,12 +80,17 @@ mod app {
             _ => const { period(FAST.core) },
         };
         let pins = Pins::take(chip.ports, &mut rcc);
+        #[cfg(not(usb))]
         let (line, receiver, log) = serial::start(
             (pins.line, pins.line_transmit, pins.line_receive),
             (pins.log, pins.log_transmit),
             &clocks,
             &mut rcc,
         );
+        #[cfg(usb)]
+        let log = serial::start_log((pins.log, pins.log_transmit), &clocks, &mut rcc);
+        #[cfg(usb)]
+        let (receiver, bytes, line) = usb::start(memory, (pins.usb_minus, pins.usb_plus), &clocks);
 
         let board = Board {
             timer_hz: clocks.core,
@@ -112,10 +137,15 @@ mod app {
             limits: (pins.limit_1, pins.limit_2, pins.limit_3),
         });
         let watchdog = chip.watchdog.start();
+        #[cfg(not(usb))]
         let (received, bytes) = bytes.split();
         let clock = TickClock::start(context.core.SYST, period);
         let local = Local {
+            #[cfg(not(usb))]
             receiver,
+            #[cfg(usb)]
+            packets: receiver,
+            #[cfg(not(usb))]
             received,
             tick: Tick::new(foreground, &board, inputs, outputs, clock),
             timer,
@@ -135,12 +165,20 @@ mod app {
 
     /// Moves a byte from the line into its queue. Above the tick: the receiver holds one byte, and at
     /// 921,600 baud the next comes 1,822 cycles later, less than a tick may take.
+    #[cfg(not(usb))]
     #[task(binds = LINE, priority = 3, local = [receiver, received])]
     fn line(context: line::Context) {
         // A damaged byte, or one without room, damages its frame, which the host repeats.
         if let Ok(byte) = context.local.receiver.read() {
             let _ = context.local.received.enqueue(byte);
         }
+    }
+
+    /// Handles an event of USB. Below the tick: the controller makes the host wait.
+    #[cfg(usb)]
+    #[task(binds = USB, priority = 1, local = [packets])]
+    fn packets(context: packets::Context) {
+        context.local.packets.run();
     }
 
     #[task(binds = SysTick, priority = 2, local = [tick])]
@@ -153,6 +191,8 @@ mod app {
         let watchdog = context.local.watchdog;
         context.local.background.run(|| {
             watchdog.feed();
+            #[cfg(usb)]
+            trirrr_app::usb::resume(crate::board::device::interrupt::USB);
             #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
             drives::report();
         })

@@ -30,7 +30,10 @@ const FILES: &str = "firmware/boards/files";
 /// Variable of the environment that names the board.
 const VARIABLE: &str = "BOARD";
 
-/// Writes `OUT_DIR/board.rs` for the package `package`, with the pins and the build that the identity tells, and tells Cargo about the file and the variable that this depends on.
+/// Variable of the environment that puts USB in the place of the line's port.
+const LINE: &str = "LINE";
+
+/// Writes `OUT_DIR/board.rs` for the package `package`, with the pins and the build that the identity tells, and tells Cargo about the file and the variables that this depends on. With a line over USB `cfg(usb)` is set.
 ///
 /// `BOARD` names the board: a shipped file, or a path relative to `root`. Without it the `board` of the scene counts, and without
 /// that the default of the package.
@@ -42,7 +45,9 @@ pub fn build_script(package: &str, root: &Path) -> Result<(), Box<dyn Error>> {
     let family = Family::of_package(package)
         .ok_or_else(|| format!("{package}: no chip of a board file is for this package"))?;
     let handed_on = |name: &str| env::var(format!("DEP_TRIRRR_APP_{}", name.to_uppercase())).ok();
-    let needs = Needs::read(handed_on)?;
+    let mut needs = Needs::read(handed_on)?;
+    println!("cargo:rerun-if-env-changed={LINE}");
+    needs.usb_line = asks_for_usb(env::var(LINE).ok().as_deref())?;
     let variable = env::var(VARIABLE).ok().filter(|name| !name.is_empty());
     let file = chosen(variable.as_deref(), &needs, family, root)?;
     println!("cargo:rerun-if-changed={}", file.display());
@@ -53,9 +58,25 @@ pub fn build_script(package: &str, root: &Path) -> Result<(), Box<dyn Error>> {
         Some((family, &needs)),
     )?;
     let out = env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: not a build script")?;
+    println!("cargo:rustc-check-cfg=cfg(usb)");
+    if board.has_usb_line() {
+        println!("cargo:rustc-cfg=usb");
+    }
     let text = source::source(&board, &needs) + &firmware(&file, &board, root);
     fs::write(PathBuf::from(out).join("board.rs"), text)?;
     Ok(())
+}
+
+/// Returns true if the variable `LINE` asks for a line over USB.
+fn asks_for_usb(line: Option<&str>) -> Result<bool, String> {
+    match line {
+        None | Some("") => Ok(false),
+        Some("usb") => Ok(true),
+        Some(other) => Err(format!(
+            "{LINE}={}: must be usb; without it the port of the board file counts",
+            visible(other)
+        )),
+    }
 }
 
 /// Build of the image as source: version of the package, commit, and the board of `file`.

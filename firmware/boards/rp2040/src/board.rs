@@ -6,27 +6,39 @@
 use crate::pins::{Inverted, Ports};
 use trirrr_app::pins::NoPin;
 
-/// Names the interrupt of the line's port `LINE`: a task is bound to an interrupt by its name alone.
+/// Names the interrupt of the line's port `LINE`, and that of USB `USB`: a task is bound to an interrupt by its name alone. Both have to be
+/// interrupts of the chip, whichever task the image has.
 macro_rules! line_interrupt {
-    ($interrupt:ident) => {
+    ($interrupt:ident, $usb:ident) => {
         /// The device as RTIC sees it.
         pub(crate) mod device {
             pub(crate) use rp2040_hal::pac::*;
 
             /// The interrupts of the tasks.
             pub(crate) mod interrupt {
-                pub(crate) use rp2040_hal::pac::Interrupt::{PWM_IRQ_WRAP, $interrupt as LINE};
+                pub(crate) use rp2040_hal::pac::Interrupt::{
+                    PWM_IRQ_WRAP, $interrupt as LINE, $usb as USB,
+                };
             }
         }
 
-        /// Entry of the vector table.
+        #[cfg(not(usb))]
+        entry!($interrupt, LINE);
+        #[cfg(usb)]
+        entry!($usb, USB);
+    };
+}
+
+/// Makes the entry of the vector table for a task that has another name.
+macro_rules! entry {
+    ($interrupt:ident, $task:ident) => {
         #[unsafe(no_mangle)]
         unsafe extern "C" fn $interrupt() {
             unsafe extern "Rust" {
-                fn LINE();
+                fn $task();
             }
             // SAFETY: the task, as RTIC has exported it; the processor calls it here, and nothing else does.
-            unsafe { LINE() }
+            unsafe { $task() }
         }
     };
 }

@@ -4,9 +4,11 @@ use crate::board::CRYSTAL_MHZ;
 use core::convert::Infallible;
 use rp2040_hal::clocks::{Clock, ClocksManager};
 use rp2040_hal::fugit::{HertzU32, RateExtU32};
-use rp2040_hal::pac::{CLOCKS, PLL_SYS, RESETS, XOSC};
+use rp2040_hal::pac::{CLOCKS, PLL_SYS, PLL_USB, RESETS, XOSC};
 use rp2040_hal::pll::PhaseLockedLoop;
 use rp2040_hal::pll::common_configs::PLL_SYS_125MHZ;
+#[cfg(usb)]
+use rp2040_hal::pll::common_configs::PLL_USB_48MHZ;
 use rp2040_hal::xosc::CrystalOscillator;
 
 /// Clock of the core, Hz.
@@ -19,14 +21,22 @@ const START_MS: u32 = 64;
 /// ring oscillator.
 const READS: u32 = 120_000;
 
-/// Starts crystal, PLL and the clocks made of it. Returns the clock of the UARTs, or `None` if one of them
-/// does not start.
+/// Clocks of the ports.
+pub(super) struct PortRates {
+    /// Clock of the UARTs.
+    pub(super) peripheral: HertzU32,
+    #[cfg(usb)]
+    pub(super) usb: rp2040_hal::clocks::UsbClock,
+}
+
+/// Starts crystal, PLL and the clocks made of it. Returns the clocks of the ports, or `None` if one of them
+/// does not start. The second PLL is that of USB.
 pub(super) fn start(
     crystal: XOSC,
     clocks: CLOCKS,
-    pll: PLL_SYS,
+    (pll, usb_pll): (PLL_SYS, PLL_USB),
     resets: &mut RESETS,
-) -> Option<HertzU32> {
+) -> Option<PortRates> {
     let crystal = CrystalOscillator::new(crystal)
         .initialize(u32::from(CRYSTAL_MHZ).MHz(), START_MS)
         .ok()?;
@@ -56,7 +66,24 @@ pub(super) fn start(
         .peripheral_clock
         .configure_clock(system, system.freq())
         .ok()?;
-    Some(clocks.peripheral_clock.freq())
+    #[cfg(usb)]
+    let usb = {
+        let pll = PhaseLockedLoop::new(usb_pll, exact, PLL_USB_48MHZ).ok()?;
+        let pll = pll.initialize(resets);
+        let locked = within(|| pll.await_lock())?;
+        let pll = pll.get_locked(locked);
+        let mut usb = clocks.usb_clock;
+        usb.configure_clock(&pll, pll.operating_frequency()).ok()?;
+        usb
+    };
+    // Off, as after a reset.
+    #[cfg(not(usb))]
+    drop(usb_pll);
+    Some(PortRates {
+        peripheral: clocks.peripheral_clock.freq(),
+        #[cfg(usb)]
+        usb,
+    })
 }
 
 /// Result of `look`, if there is one within [`READS`] calls.

@@ -5,6 +5,7 @@
 //! | 4 | PWM_IRQ_WRAP | a slot of the step pulses, in images for steppers |
 //! | 3 | LINE, that of the line's port | bytes from the line into their queue |
 //! | 2 | SysTick | the tick |
+//! | 1 | USB | packets in both directions, in images with the line over USB in place of a port |
 //! | none | | the background |
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
@@ -25,74 +26,69 @@ mod pins;
 mod start;
 #[cfg(all(target_os = "none", not(tool = "none")))]
 mod tool;
+#[cfg(all(target_os = "none", not(usb)))]
+mod uart;
+#[cfg(all(target_os = "none", usb))]
+mod usb;
 #[cfg(target_os = "none")]
 use common::*;
 
 #[cfg(target_os = "none")]
 #[rtic::app(device = crate::board::device, peripherals = true)]
 mod app {
-    use super::board::{
-        CRYSTAL_MHZ, FIRMWARE, LinePort, LineReceive, LineTransmit, LogPort, LogTransmit, Pins,
-    };
+    use super::board::{CRYSTAL_MHZ, FIRMWARE, LogPort, LogTransmit, Pins};
     use super::clock::{self, CORE_HZ};
     use super::drives::{self, DriveTimer};
     use super::inputs::{self, BoardInputs, InputPins};
     use super::outputs::{self, BoardOutputs, OutputPins};
     use super::pins::Ports;
     use super::start;
-    use embedded_hal_nb::serial::Read;
-    use heapless::spsc::{Producer, Queue};
+    #[cfg(not(usb))]
+    use super::uart::{self as line_port, LineMemory, LineReceiver, LineTransmitter};
+    #[cfg(usb)]
+    use super::usb::{self as line_port, LineMemory, LineReceiver, LineTransmitter};
     use rp2040_hal::fugit::{ExtU32, RateExtU32};
-    use rp2040_hal::gpio::{self, AnyPin, FunctionUart, Pin, PullNone, PullUp};
+    use rp2040_hal::gpio::{self, AnyPin, FunctionUart, Pin, PullNone};
     use rp2040_hal::pwm::Slices;
     use rp2040_hal::typelevel::{OptionTNone, OptionTSome};
-    use rp2040_hal::uart::{
-        self, DataBits, FifoWatermark, Reader, StopBits, UartConfig, UartPeripheral, Writer,
-    };
+    use rp2040_hal::uart::{self, DataBits, StopBits, UartConfig, UartPeripheral, Writer};
     use rp2040_hal::{Sio, Watchdog};
-    use trirrr_app::{BAUD, LOG_BAUD, RECEIVED, WATCHDOG_MS};
     use trirrr_app::{Background, Channels, Tick, TickClock, period};
+    use trirrr_app::{LOG_BAUD, WATCHDOG_MS};
     use trirrr_protocol::message::{Board, Clock};
 
-    type Transmit<P> = Pin<<P as AnyPin>::Id, FunctionUart, PullNone>;
-    type LinePins = (
-        Transmit<LineTransmit>,
-        Pin<<LineReceive as AnyPin>::Id, FunctionUart, PullUp>,
-    );
-    type LogPins =
-        uart::Pins<OptionTSome<Transmit<LogTransmit>>, OptionTNone, OptionTNone, OptionTNone>;
-
-    /// Capacity of the receiver, bytes.
-    const FIFO: usize = 32;
+    type LogPin = Pin<<LogTransmit as AnyPin>::Id, FunctionUart, PullNone>;
+    type LogPins = uart::Pins<OptionTSome<LogPin>, OptionTNone, OptionTNone, OptionTNone>;
 
     #[shared]
     struct Shared {}
 
     #[local]
     struct Local {
-        receiver: Reader<LinePort, LinePins>,
-        received: Producer<'static, u8>,
+        #[cfg(not(usb))]
+        line: LineReceiver,
+        #[cfg(usb)]
+        packets: LineReceiver,
         tick: Tick<BoardInputs, BoardOutputs>,
         slot: DriveTimer,
-        background: Background<Writer<LinePort, LinePins>, Writer<LogPort, LogPins>>,
+        background: Background<LineTransmitter, Writer<LogPort, LogPins>>,
         watchdog: Watchdog,
     }
 
     #[init(local = [
         channels: Channels = Channels::new(),
-        bytes: Queue<u8, RECEIVED> = Queue::new(),
+        memory: LineMemory = LineMemory::new(),
     ])]
     fn init(context: init::Context) -> (Shared, Local) {
         let init::LocalResources {
-            channels, bytes, ..
+            channels, memory, ..
         } = context.local;
         let device = context.device;
         let start = start::cause(&device.WATCHDOG, &device.VREG_AND_CHIP_RESET);
         let mut resets = device.RESETS;
         let mut watchdog = Watchdog::new(device.WATCHDOG);
-        let Some(line_clock) =
-            clock::start(device.XOSC, device.CLOCKS, device.PLL_SYS, &mut resets)
-        else {
+        let plls = (device.PLL_SYS, device.PLL_USB);
+        let Some(clocks) = clock::start(device.XOSC, device.CLOCKS, plls, &mut resets) else {
             // The ring oscillator is too slow and too inexact for a line. So the board starts anew until the
             // crystal does.
             panic!("the crystal or the PLL does not start");
@@ -112,23 +108,23 @@ mod app {
             uart1: device.UART1,
         };
         let pins = Pins::take(pins, slices, ports);
-        let settings = |baud: u32| UartConfig::new(baud.Hz(), DataBits::Eight, None, StopBits::One);
-        let line_pins = (
-            pins.line_transmit.reconfigure(),
-            pins.line_receive.reconfigure(),
-        );
-        let line = UartPeripheral::new(pins.line, line_pins, &mut resets)
-            .enable(settings(BAUD), line_clock);
+        let settings = UartConfig::new(LOG_BAUD.Hz(), DataBits::Eight, None, StopBits::One);
         let log_pins = uart::Pins::default().tx(pins.log_transmit.reconfigure());
         let log = UartPeripheral::new(pins.log, log_pins, &mut resets)
-            .enable(settings(LOG_BAUD), line_clock);
-        let (Ok(mut line), Ok(log)) = (line, log) else {
-            panic!("the clock does not divide into the baud rates");
+            .enable(settings, clocks.peripheral);
+        let Ok(log) = log else {
+            panic!("the clock does not divide into the baud rate of the log");
         };
-        line.set_rx_watermark(FifoWatermark::Bytes4);
-        let (mut receiver, line) = line.split();
-        receiver.enable_rx_interrupt();
         let (_, log) = log.split();
+        #[cfg(not(usb))]
+        let (parts, line_clock) = (
+            (pins.line, pins.line_transmit, pins.line_receive),
+            clocks.peripheral,
+        );
+        #[cfg(usb)]
+        let (parts, line_clock) = ((device.USBCTRL_REGS, device.USBCTRL_DPRAM), clocks.usb);
+        let (receiver, bytes, transmitter) =
+            line_port::start(memory, parts, &mut resets, line_clock);
 
         let board = Board {
             timer_hz: CORE_HZ,
@@ -166,14 +162,15 @@ mod app {
             limits: (pins.limit_1, pins.limit_2, pins.limit_3),
         });
         watchdog.start(WATCHDOG_MS.millis());
-        let (received, bytes) = bytes.split();
         let clock = TickClock::start(context.core.SYST, const { period(CORE_HZ) });
         let local = Local {
-            receiver,
-            received,
+            #[cfg(not(usb))]
+            line: receiver,
+            #[cfg(usb)]
+            packets: receiver,
             tick: Tick::new(foreground, &board, inputs, outputs, clock),
             slot,
-            background: Background::new(background, bytes, line, log),
+            background: Background::new(background, bytes, transmitter, log),
             watchdog,
         };
         (Shared {}, local)
@@ -188,22 +185,17 @@ mod app {
 
     /// Moves bytes from the line into their queue. Above the tick: the receiver interrupts with four bytes, or
     /// when no more come, and has room for 28 more.
-    #[task(binds = LINE, priority = 3, local = [receiver, received])]
+    #[cfg(not(usb))]
+    #[task(binds = LINE, priority = 3, local = [line])]
     fn line(context: line::Context) {
-        let line::LocalResources {
-            receiver, received, ..
-        } = context.local;
-        // Bounded: bytes beyond the receiver's capacity come later.
-        for _ in 0..FIFO {
-            match receiver.read() {
-                // A damaged byte, or one without room, damages its frame, which the host repeats.
-                Ok(byte) => {
-                    let _ = received.enqueue(byte);
-                }
-                Err(nb::Error::WouldBlock) => return,
-                Err(nb::Error::Other(_)) => {}
-            }
-        }
+        context.local.line.run();
+    }
+
+    /// Handles an event of USB. Below the tick: the controller makes the host wait.
+    #[cfg(usb)]
+    #[task(binds = USB, priority = 1, local = [packets])]
+    fn packets(context: packets::Context) {
+        context.local.packets.run();
     }
 
     #[task(binds = SysTick, priority = 2, local = [tick])]
@@ -214,7 +206,11 @@ mod app {
     #[idle(local = [background, watchdog])]
     fn idle(context: idle::Context) -> ! {
         let watchdog = context.local.watchdog;
-        context.local.background.run(|| watchdog.feed())
+        context.local.background.run(|| {
+            watchdog.feed();
+            #[cfg(usb)]
+            trirrr_app::usb::resume(super::board::device::interrupt::USB);
+        })
     }
 }
 

@@ -1,25 +1,57 @@
 //! Line and log, by the registers of USARTs with a status of their own for each direction (all but the oldest STM32s).
 
-use crate::board::{LinePort, LineReceive, LineTransmit, LogPort, LogTransmit};
+#[cfg(not(usb))]
+use crate::board::{LinePort, LineReceive, LineTransmit};
+use crate::board::{LogPort, LogTransmit};
 use crate::clock::Clocks;
 use crate::parts::Rcc;
-use embedded_hal_nb::serial::{ErrorKind, ErrorType, Read, Write};
+#[cfg(not(usb))]
+use embedded_hal_nb::serial::Read;
+use embedded_hal_nb::serial::{ErrorKind, ErrorType, Write};
 use stm32_metapac::usart::Usart;
 use stm32_metapac::usart::regs::Brr;
-use trirrr_app::{BAUD, LOG_BAUD};
+#[cfg(not(usb))]
+use trirrr_app::BAUD;
+use trirrr_app::LOG_BAUD;
 
 /// Alternate function of every such pin.
 const FUNCTION: u8 = 7;
 
 /// Receiver of the line.
+#[cfg(not(usb))]
 pub(crate) struct LineReceiver(Usart);
 /// Transmitter of a port.
 pub(crate) struct Transmitter(Usart);
 
+#[cfg(not(usb))]
 pub(crate) type LineTransmitter = Transmitter;
 pub(crate) type LogTransmitter = Transmitter;
 
-/// Starts the ports of the line and of the log at their pins. Both have the clock of their bus.
+/// Starts the port of the log at its pin, where the line is USB.
+#[cfg(usb)]
+pub(crate) fn start_log(
+    log: (LogPort, LogTransmit),
+    clocks: &Clocks,
+    _: &mut Rcc,
+) -> LogTransmitter {
+    let _ = log.1.into_alternate::<FUNCTION>();
+    configure(log.0, LOG_BAUD, false, clocks);
+    Transmitter(log.0)
+}
+
+/// Sets a port up. It has the clock of its bus.
+fn configure(port: Usart, baud: u32, receives: bool, clocks: &Clocks) {
+    port.brr().write_value(Brr((clocks.apb1 + baud / 2) / baud));
+    port.cr1().write(|w| {
+        w.set_te(true);
+        w.set_re(receives);
+        w.set_rxneie(receives);
+        w.set_ue(true);
+    });
+}
+
+/// Starts the ports of the line and of the log at their pins.
+#[cfg(not(usb))]
 pub(crate) fn start(
     line: (LinePort, LineTransmit, LineReceive),
     log: (LogPort, LogTransmit),
@@ -32,15 +64,8 @@ pub(crate) fn start(
         line.2.into_alternate::<FUNCTION>().internal_pull_up(true),
         log.1.into_alternate::<FUNCTION>(),
     );
-    for (port, baud, receives) in [(line.0, BAUD, true), (log.0, LOG_BAUD, false)] {
-        port.brr().write_value(Brr((clocks.apb1 + baud / 2) / baud));
-        port.cr1().write(|w| {
-            w.set_te(true);
-            w.set_re(receives);
-            w.set_rxneie(receives);
-            w.set_ue(true);
-        });
-    }
+    configure(line.0, BAUD, true, clocks);
+    configure(log.0, LOG_BAUD, false, clocks);
     (
         Transmitter(line.0),
         LineReceiver(line.0),
@@ -48,10 +73,12 @@ pub(crate) fn start(
     )
 }
 
+#[cfg(not(usb))]
 impl ErrorType for LineReceiver {
     type Error = ErrorKind;
 }
 
+#[cfg(not(usb))]
 impl Read<u8> for LineReceiver {
     #[inline(always)]
     fn read(&mut self) -> nb::Result<u8, ErrorKind> {

@@ -4,17 +4,27 @@
 // An image uses those of its scene's drives.
 #![allow(dead_code)]
 
-use crate::board::{LINE_IS_ON_APB2, LOG_IS_ON_APB2, LinePort, LogPort};
+#[cfg(not(usb))]
+use crate::board::{LINE_IS_ON_APB2, LinePort};
+use crate::board::{LOG_IS_ON_APB2, LogPort};
 use crate::clock::Clocks;
 use crate::counts::counts;
 use stm32f4xx_hal::pac::{TIM3, usart1};
 
 /// Sets the baud rates of line and log.
+#[cfg(not(usb))]
 pub(super) fn set_bauds(clocks: &Clocks, line: u32, log: u32) {
     // SAFETY: the HAL has configured both ports, and no byte is under way.
     let ports = unsafe { (&*LinePort::ptr(), &*LogPort::ptr()) };
     set_baud(ports.0, clocks.bus(LINE_IS_ON_APB2), line);
     set_baud(ports.1, clocks.bus(LOG_IS_ON_APB2), log);
+}
+
+/// Sets the baud rate of the log.
+pub(super) fn set_log_baud(clocks: &Clocks, log: u32) {
+    // SAFETY: the HAL has configured the port, and no byte is under way.
+    let port = unsafe { &*LogPort::ptr() };
+    set_baud(port, clocks.bus(LOG_IS_ON_APB2), log);
 }
 
 /// Sets one baud rate. The port samples each bit 16 times; the register counts sixteenths of a sample (RM0090,

@@ -22,6 +22,8 @@ mod serial;
 mod stm32;
 #[cfg(target_os = "none")]
 mod timers;
+#[cfg(all(target_os = "none", usb))]
+mod usb;
 #[cfg(target_os = "none")]
 use stm32::*;
 

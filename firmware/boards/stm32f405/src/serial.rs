@@ -1,18 +1,47 @@
 //! Line and log.
 
-use crate::board::{LinePort, LineReceive, LineTransmit, LogPort, LogTransmit};
+#[cfg(not(usb))]
+use crate::board::{LinePort, LineReceive, LineTransmit};
+use crate::board::{LogPort, LogTransmit};
 use crate::clock::Clocks;
+#[cfg(not(usb))]
 use crate::dividers::set_bauds;
+#[cfg(usb)]
+use crate::dividers::set_log_baud;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::rcc::Rcc;
-use stm32f4xx_hal::serial::{Config, Rx, RxListen, Serial, Tx};
-use trirrr_app::{BAUD, LOG_BAUD};
+use stm32f4xx_hal::serial::{Config, Tx};
+#[cfg(not(usb))]
+use stm32f4xx_hal::serial::{Rx, RxListen, Serial};
+#[cfg(not(usb))]
+use trirrr_app::BAUD;
+use trirrr_app::LOG_BAUD;
 
+#[cfg(not(usb))]
 pub(crate) type LineReceiver = Rx<LinePort>;
+#[cfg(not(usb))]
 pub(crate) type LineTransmitter = Tx<LinePort>;
 pub(crate) type LogTransmitter = Tx<LogPort>;
 
+/// Starts the port of the log at its pin, where the line is USB.
+#[cfg(usb)]
+pub(crate) fn start_log(
+    log: (LogPort, LogTransmit),
+    clocks: &Clocks,
+    rcc: &mut Rcc,
+) -> LogTransmitter {
+    let Ok(log) = log
+        .0
+        .tx(log.1, Config::default().baudrate(LOG_BAUD.bps()), rcc)
+    else {
+        panic!("the slowest clock does not divide into the baud rate of the log");
+    };
+    set_log_baud(clocks, LOG_BAUD);
+    log
+}
+
 /// Starts the ports of the line and of the log at their pins.
+#[cfg(not(usb))]
 pub(crate) fn start(
     line: (LinePort, LineTransmit, LineReceive),
     log: (LogPort, LogTransmit),

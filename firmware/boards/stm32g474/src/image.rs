@@ -13,6 +13,8 @@ mod parts;
 #[cfg(target_os = "none")]
 #[path = "../../stm32/mod.rs"]
 mod stm32;
+#[cfg(all(target_os = "none", usb))]
+mod usb;
 #[cfg(target_os = "none")]
 use {metapac::*, stm32::*};
 

@@ -73,6 +73,14 @@ pub(super) struct SerialPort {
     pub(super) receive: &'static [&'static str],
 }
 
+/// USB controller of a chip, as a device at full speed.
+pub(super) struct Usb {
+    /// Name of its interrupt.
+    pub(super) interrupt: &'static str,
+    /// Pins of a port that it has, D- and D+; none where the chip has pins for USB alone.
+    pub(super) pins: &'static [&'static str],
+}
+
 /// Signal of a peripheral that a role takes, with its pins.
 pub(super) struct Signal {
     pub(super) role: Role,
@@ -94,6 +102,7 @@ pub struct Chip {
     /// Pins that no function may have, and why.
     withheld: &'static [(&'static str, &'static str)],
     pub(super) serial_ports: &'static [SerialPort],
+    pub(super) usb: Usb,
     signals: &'static [Signal],
     /// Tables of drives that the firmware has no code for, and why.
     pub(super) without: &'static [(&'static str, &'static str)],

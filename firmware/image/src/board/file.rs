@@ -37,9 +37,11 @@ pub struct BoardFile {
     /// The crystal, MHz.
     pub crystal_mhz: f64,
     pub(super) pll: Pll,
-    /// Port of the line, and that of the log.
-    pub(super) line: &'static SerialPort,
+    /// Port of the line, none where that is USB; and port of the log.
+    pub(super) line: Option<&'static SerialPort>,
     pub(super) log: &'static SerialPort,
+    /// Pins of USB, where the line is USB and the chip has them at a port.
+    pub(super) usb: Vec<(&'static str, WiredPin)>,
     pins: BTreeMap<Role, Vec<WiredPin>>,
     /// Pins that parts of the board have, and what for.
     pub taken: Vec<(String, String)>,
@@ -68,6 +70,11 @@ impl BoardFile {
     pub fn pins(&self, role: Role) -> Option<&[WiredPin]> {
         self.pins.get(&role).map(Vec::as_slice)
     }
+
+    /// Returns true if the line is USB.
+    pub fn has_usb_line(&self) -> bool {
+        self.line.is_none()
+    }
 }
 
 /// A pin that a key names.
@@ -75,6 +82,7 @@ struct Named {
     place: Place,
     pin: WiredPin,
     table: &'static str,
+    role: Role,
 }
 
 fn read_board(root: &Section, target: Option<(Family, &Needs)>) -> Option<BoardFile> {
@@ -108,19 +116,32 @@ fn read_board(root: &Section, target: Option<(Family, &Needs)>) -> Option<BoardF
             root.refuse_list(table, format!("must be left out: {reason}"));
         }
     }
-    let line = read_port(root, &tables, "line", chip);
-    let log = read_port(root, &tables, "log", chip);
+    let named_line = read_port(root, &tables, "line", chip);
+    let log = read_log(root, &tables, chip);
+    let line = named_line.flatten();
     if let (Some(line), Some(log)) = (line, log)
         && line.name == log.name
     {
         tables["log"].refuse("port", "is that of the line: the log has a port of its own");
     }
+    let is_usb =
+        matches!(named_line, Some(None)) || target.is_some_and(|(_, needs)| needs.usb_line);
     let mut named = Vec::new();
     let mut pins = BTreeMap::new();
     for entry in &ROLES {
         let Some(section) = tables.get(entry.table) else {
             continue;
         };
+        // USB has pins of its own: those of the file are left alone.
+        if is_usb && entry.table == "line" {
+            match named_line {
+                Some(None) if section.has(entry.key) => {
+                    section.refuse(entry.key, usb_pins(chip));
+                }
+                _ => _ = section.optional_text(entry.key),
+            }
+            continue;
+        }
         let port = match entry.table {
             "line" => line,
             "log" => log,
@@ -133,6 +154,16 @@ fn read_board(root: &Section, target: Option<(Family, &Needs)>) -> Option<BoardF
         }
     }
     refuse_twice(root, &named, taken.as_deref().unwrap_or_default());
+    if is_usb {
+        let needs = target.map(|(_, needs)| needs);
+        refuse_beside_usb(
+            root,
+            &named,
+            taken.as_deref().unwrap_or_default(),
+            needs,
+            chip,
+        );
+    }
     let times = tables.get("stepper").map(|stepper| {
         TIMES.map(|key| {
             let us = stepper.number(key, Bound::Within(0.0, LONGEST_US));
@@ -142,7 +173,7 @@ fn read_board(root: &Section, target: Option<(Family, &Needs)>) -> Option<BoardF
     if let Some((_, needs)) = target {
         refuse_missing(root, &tables, &pins, needs, chip);
         if let (Some(stepper), Some(times)) = (tables.get("stepper"), times) {
-            refuse_times(stepper, times, needs, chip);
+            refuse_times(stepper, times, needs, (chip, is_usb));
         }
     }
     let (crystal_mhz, pll) = crystal?;
@@ -151,7 +182,12 @@ fn read_board(root: &Section, target: Option<(Family, &Needs)>) -> Option<BoardF
         chip,
         crystal_mhz,
         pll,
-        line: line?,
+        line: named_line?.filter(|_| !is_usb),
+        usb: if is_usb {
+            pins_of_usb(chip)
+        } else {
+            Vec::new()
+        },
         log: log?,
         pins,
         taken: taken?,
@@ -219,14 +255,34 @@ fn no_pin(chip: &Chip) -> String {
     )
 }
 
-fn read_port<'c>(
+/// The port of the line; `Some(None)` is USB.
+fn read_port(
     root: &Section,
     tables: &BTreeMap<&str, Section>,
     table: &str,
-    chip: &'c Chip,
-) -> Option<&'c SerialPort> {
+    chip: &Chip,
+) -> Option<Option<&'static SerialPort>> {
+    let ports = chip.serial_ports.iter().map(|port| (port.name, Some(port)));
+    read_choice(root, tables, table, ports.chain([("usb", None)]).collect())
+}
+
+fn read_log(
+    root: &Section,
+    tables: &BTreeMap<&str, Section>,
+    chip: &Chip,
+) -> Option<&'static SerialPort> {
+    let ports = chip.serial_ports.iter().map(|port| (port.name, port));
+    read_choice(root, tables, "log", ports.collect())
+}
+
+fn read_choice<P: Copy>(
+    root: &Section,
+    tables: &BTreeMap<&str, Section>,
+    table: &str,
+    ports: Vec<(&'static str, P)>,
+) -> Option<P> {
     let Some(section) = tables.get(table) else {
-        let ports: Vec<&str> = chip.serial_ports.iter().map(|port| port.name).collect();
+        let ports: Vec<&str> = ports.iter().map(|(name, _)| *name).collect();
         let reason = format!(
             "missing, expected [{table}] with a port of {} and its pins",
             ports.join(", ")
@@ -234,12 +290,64 @@ fn read_port<'c>(
         root.refuse(table, reason);
         return None;
     };
-    let ports: Vec<_> = chip
-        .serial_ports
-        .iter()
-        .map(|port| (port.name, port))
-        .collect();
     section.choice("port", &ports)
+}
+
+/// Pins of USB with the names of their fields.
+fn pins_of_usb(chip: &Chip) -> Vec<(&'static str, WiredPin)> {
+    let named = ["usb_minus", "usb_plus"].into_iter().zip(chip.usb.pins);
+    let placed = named.filter_map(|(field, name)| {
+        let pin = WiredPin {
+            name: (*name).into(),
+            place: chip.pin(name)?,
+            inverted: false,
+        };
+        Some((field, pin))
+    });
+    placed.collect()
+}
+
+/// The reason that refuses pins of a line over USB.
+fn usb_pins(chip: &Chip) -> String {
+    match chip.usb.pins {
+        [] => format!("must be left out: USB has pins of its own on {}", chip.name),
+        pins => format!(
+            "must be left out: USB is at {} on {}",
+            pins.join(" and "),
+            chip.name
+        ),
+    }
+}
+
+/// Refuses functions of the image at the pins of USB, and pins of USB that another part of the board has.
+fn refuse_beside_usb(
+    root: &Section,
+    named: &[Named],
+    taken: &[(String, String)],
+    needs: Option<&Needs>,
+    chip: &Chip,
+) {
+    let is_usb = |name: &str| chip.usb.pins.contains(&name);
+    let is_in_image = |role: Role| {
+        let of_scene = |needs: &Needs| needs.roles().contains_key(&role);
+        role == Role::LogTransmit || needs.is_none_or(of_scene)
+    };
+    for other in named.iter().filter(|other| is_usb(&other.pin.name)) {
+        if is_in_image(other.role) {
+            let reason = format!("{} is that of USB, and the line is USB", other.pin.name);
+            root.refuse_at(&other.place, reason);
+        }
+    }
+    // The plug is a part of the board, too.
+    let of_others = taken
+        .iter()
+        .filter(|(name, what)| is_usb(name) && !what.contains("USB"));
+    for (name, what) in of_others {
+        root.refuse(
+            "taken",
+            format!("{name} is that of USB, and the line is USB: it is taken by {what}"),
+        );
+    }
 }
 
 /// The pins of a role that its table names. A key that is left out is looked for once it is needed.
@@ -285,6 +393,7 @@ fn read_pins(
                     inverted,
                 },
                 table: entry.table,
+                role: entry.role,
             }),
             Err(reason) => {
                 section.refuse_at(&place, reason);
@@ -400,20 +509,26 @@ fn refuse_missing(
 const TIMES: [&str; 3] = ["pulse_us", "setup_us", "hold_us"];
 
 /// Refuses times that are longer than a slot of the scene's steppers.
-fn refuse_times(stepper: &Section, times: [Option<f64>; 3], needs: &Needs, chip: &Chip) {
+fn refuse_times(
+    stepper: &Section,
+    times: [Option<f64>; 3],
+    needs: &Needs,
+    (chip, has_usb): (&Chip, bool),
+) {
     let Some((slots_hz, tick_rate_hz)) = needs.slots else {
         return;
     };
     let clock = chip.family.clock();
     let slot_s = clock.slot_s(slots_hz);
     // An edge comes at the end of its slot's run, the next one at the begin of its own.
-    let sure_s = slot_s - clock.slot_run_s();
+    let late_s = clock.late_s(has_usb);
+    let sure_s = slot_s - late_s;
     for (key, time_s) in TIMES.into_iter().zip(times) {
         let Some(time_s) = time_s.filter(|time_s| *time_s > sure_s) else {
             continue;
         };
         // Two slots for each step, and one more in each tick.
-        let slots_per_tick = (1.0 / ((time_s + clock.slot_run_s()) * tick_rate_hz)).floor();
+        let slots_per_tick = (1.0 / ((time_s + late_s) * tick_rate_hz)).floor();
         let most_hz = ((slots_per_tick - 1.0) / 2.0).floor() * tick_rate_hz;
         let remedy = match most_hz > 0.0 {
             true => format!("step_rate_limit_hz of {most_hz} leaves time for it"),
@@ -425,9 +540,9 @@ fn refuse_times(stepper: &Section, times: [Option<f64>; 3], needs: &Needs, chip:
                 "the steppers of {} have {:.2} us for it: {slots_hz} slots per second of {:.2} us, less {:.2} us that \
                  an edge may be late; {remedy}",
                 needs.scene,
-                sure_s * 1e6,
+                sure_s.max(0.0) * 1e6,
                 slot_s * 1e6,
-                clock.slot_run_s() * 1e6
+                late_s * 1e6
             ),
         );
     }

@@ -38,6 +38,8 @@ pub struct Needs {
     pub interlocks: bool,
     /// Slots of its steppers, Hz, and its ticks, Hz.
     pub slots: Option<(u32, f64)>,
+    /// The line is USB, whatever the port of the board file: the build asks for it, and no scene.
+    pub usb_line: bool,
 }
 
 impl Needs {
@@ -71,6 +73,7 @@ impl Needs {
             limits: scene.inputs.has_limit_pins(),
             interlocks: scene.inputs.are_named(),
             slots: slots.map(|slots| (slots, scene.tick_rate_hz)),
+            usb_line: false,
         })
     }
 
@@ -138,6 +141,7 @@ impl Needs {
             limits: has("limits"),
             interlocks: has("interlocks"),
             slots,
+            usb_line: false,
         })
     }
 

@@ -65,11 +65,9 @@ struct PinField<'b> {
 /// The fields of an image, and of no function that its scene lacks.
 fn fields<'b>(board: &'b BoardFile, needs: &Needs) -> Vec<PinField<'b>> {
     let needed = needs.roles();
-    let is_always = |role| {
-        matches!(
-            role,
-            Role::LineTransmit | Role::LineReceive | Role::LogTransmit
-        )
+    let is_always = |role| match role {
+        Role::LineTransmit | Role::LineReceive => board.line.is_some(),
+        _ => role == Role::LogTransmit,
     };
     // The inputs, and tool and its enable line, are one type of the firmware each.
     let is_beside = |role| match role {
@@ -77,7 +75,12 @@ fn fields<'b>(board: &'b BoardFile, needs: &Needs) -> Vec<PinField<'b>> {
         Role::ToolEnable => needs.has_tool(),
         _ => false,
     };
-    let mut fields = Vec::new();
+    let of_usb = board.usb.iter().map(|(name, pin)| PinField {
+        name,
+        pin: Some(pin),
+        is_of_drives: false,
+    });
+    let mut fields: Vec<_> = of_usb.collect();
     for (role, names) in FIELDS {
         let pins: Vec<Option<&WiredPin>> = if is_always(role) || needed.contains_key(&role) {
             board.pins(role).into_iter().flatten().map(Some).collect()
@@ -183,7 +186,7 @@ mod tests {
         let text = of("generic-f405", |text| text, &nothing());
         for part in [
             "pub(crate) type LineTransmit = Pin<'A', 2>;",
-            "pub(crate) type LinePort = USART2;",
+            "pub(crate) type LinePort = stm32f4xx_hal::pac::USART2;",
             "log_transmit: b.pb10,",
             "divider: 8, factor: 336",
         ] {
@@ -238,9 +241,9 @@ mod tests {
     fn a_board_of_its_own_crystal_and_ports_has_them() {
         let text = of("feather-f405", |text| text, &steppers());
         for part in [
-            "pub(crate) type LinePort = USART3;",
-            "line_interrupt!(USART3);",
-            "pub(crate) type LogPort = USART1;",
+            "pub(crate) type LinePort = stm32f4xx_hal::pac::USART3;",
+            "line_interrupt!(USART3, OTG_FS);",
+            "pub(crate) type LogPort = stm32f4xx_hal::pac::USART1;",
             "divider: 12, factor: 336",
             "step_1: c.pc2,",
         ] {
@@ -257,7 +260,7 @@ mod tests {
         let text = of("nucleo-g474re", |text| text, &needs);
         for part in [
             "divider: 6, factor: 85",
-            "line_interrupt!(USART2);",
+            "line_interrupt!(USART2, USB_LP);",
             "pub(crate) type CanReceive = Pin<'A', 11>;",
             "can_transmit: Pin::of_its_port(),",
             "ports.switch_on('A', rcc);",
@@ -278,7 +281,7 @@ mod tests {
         for part in [
             "pub(crate) type Tool = Pin<Gpio16, FunctionNull, PullDown>;",
             "pub(crate) type ToolPwm = rp2040_hal::pwm::Pwm0;",
-            "line_interrupt!(UART0_IRQ);",
+            "line_interrupt!(UART0_IRQ, USBCTRL_IRQ);",
             "pub(crate) const CRYSTAL_MHZ: u8 = 12;",
             "step_1: pins.gpio6,",
         ] {

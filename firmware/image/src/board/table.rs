@@ -41,7 +41,7 @@ fn in_words(pin: &WiredPin) -> String {
 /// The peripherals of a role's pins, in brackets.
 fn peripherals(board: &BoardFile, role: Role) -> String {
     let port = match role {
-        Role::LineTransmit | Role::LineReceive => Some(board.line.name),
+        Role::LineTransmit | Role::LineReceive => board.line.map(|port| port.name),
         Role::LogTransmit => Some(board.log.name),
         _ => None,
     };

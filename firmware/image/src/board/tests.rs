@@ -66,8 +66,8 @@ fn a_pin_that_cannot_do_its_work_is_refused_with_those_that_can() {
         ),
         (
             "port = \"usart2\"",
-            "port = \"usb\"",
-            "line.port = \"usb\": must be one of \"usart1\", \"usart2\", \"usart3\", \"usart6\"",
+            "port = \"uart4\"",
+            "line.port = \"uart4\": must be one of \"usart1\", \"usart2\", \"usart3\", \"usart6\", \"usb\"",
         ),
         (
             "step = [\"PC0\", \"PC1\", \"PC2\"]",
@@ -354,7 +354,9 @@ fn the_tables_of_the_manual_are_those_of_the_shipped_boards() {
             board.description,
             board.chip.name,
             board.crystal_mhz,
-            board.line.name.to_uppercase(),
+            board
+                .line
+                .map_or("USB".into(), |port| port.name.to_uppercase()),
             board.log.name.to_uppercase()
         );
         let table = format!("\n{head}{}\n", table(&board));

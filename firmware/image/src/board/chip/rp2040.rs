@@ -1,6 +1,6 @@
 //! RP2040: functions of the pins of Raspberry Pi's data sheet, sections 1.4.3 and 4.5.2, as far as the firmware uses them.
 
-use super::{Chip, Family, SerialPort, Signal};
+use super::{Chip, Family, SerialPort, Signal, Usb};
 use crate::board::role::Role;
 
 const ALL: &[u8] = &[
@@ -26,6 +26,10 @@ pub(super) const RP2040: Chip = Chip {
             receive: &["GP5", "GP9", "GP21", "GP25"],
         },
     ],
+    usb: Usb {
+        interrupt: "USBCTRL_IRQ",
+        pins: &[],
+    },
     // Slice 7, of GP14 and GP15, calls the slots of steppers.
     signals: &[Signal {
         role: Role::Tool,

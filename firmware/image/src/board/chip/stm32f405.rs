@@ -1,6 +1,6 @@
 //! STM32F405: alternate functions of ST's data sheet DS8626, table 9, as far as the firmware uses them.
 
-use super::{Chip, Family, SerialPort, Signal};
+use super::{Chip, Family, SerialPort, Signal, Usb};
 use crate::board::role::Role;
 
 pub(super) const ALL: &[u8] = &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
@@ -10,6 +10,8 @@ pub(super) const JTAG: &str =
     "is pulled up or down by the chip in a reset, for JTAG: an output is not off then";
 pub(super) const BACKUP: &str =
     "is supplied by the backup switch: it carries 3 mA, and no fast edges";
+
+pub(super) const USB_PINS: &[&str] = &["PA11", "PA12"];
 
 const WITHHELD: &[(&str, &str)] = &[
     ("PA13", SWD),
@@ -83,6 +85,10 @@ pub(super) const STM32F405RG: Chip = Chip {
     ports: &[("PA", ALL), ("PB", ALL), ("PC", ALL), ("PD", &[2])],
     withheld: WITHHELD,
     serial_ports: SERIAL_PORTS,
+    usb: Usb {
+        interrupt: "OTG_FS",
+        pins: USB_PINS,
+    },
     signals: SIGNALS,
     without: &[],
 };

@@ -1,7 +1,7 @@
 //! STM32G474: alternate functions of ST's data sheet DS12288, table 13, as far as the firmware uses them.
 
-use super::stm32f405::{ALL, BACKUP, JTAG, SWD, signal};
-use super::{Chip, Family, SerialPort, Signal};
+use super::stm32f405::{ALL, BACKUP, JTAG, SWD, USB_PINS, signal};
+use super::{Chip, Family, SerialPort, Signal, Usb};
 use crate::board::role::Role;
 
 const BOOT: &str = "is BOOT0: a level that is high in a reset, as a line at rest is, starts the loader of the chip";
@@ -50,6 +50,10 @@ pub(super) const STM32G474RE: Chip = Chip {
         ("PC15", BACKUP),
     ],
     serial_ports: SERIAL_PORTS,
+    usb: Usb {
+        interrupt: "USB_LP",
+        pins: USB_PINS,
+    },
     signals: SIGNALS,
     without: &[(
         "amplifier",

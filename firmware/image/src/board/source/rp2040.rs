@@ -12,19 +12,24 @@ pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
         |pin| format!("Pin<Gpio{}, FunctionNull, PullDown>", pin.place.1),
         |pin| format!("pins.gpio{}", pin.place.1),
     );
-    let [line, log] = [board.line, board.log].map(|port| port.name.to_uppercase());
+    let log = board.log.name.to_uppercase();
+    let line = board.line.map(|port| port.name.to_uppercase());
+    // Without a port for the line, that of the log: its interrupt is never switched on there.
+    let port = line.as_ref().unwrap_or(&log);
+    let usb = board.chip.usb.interrupt;
     let mut text = format!(
         "use rp2040_hal::gpio::bank0::*;\n\
          use rp2040_hal::gpio::{{self, FunctionNull, Pin, PullDown}};\n\
-         use rp2040_hal::pac::{{{line}, {log}}};\n\
          use rp2040_hal::pwm::{{FreeRunning, Pwm7, Slice, Slices}};\n\
          pub(crate) const CRYSTAL_MHZ: u8 = {};\n\
-         pub(crate) type LinePort = {line};\n\
-         pub(crate) type LogPort = {log};\n\
-         line_interrupt!({line}_IRQ);\n",
+         pub(crate) type LogPort = rp2040_hal::pac::{log};\n\
+         line_interrupt!({port}_IRQ, {usb});\n",
         // Whole, as the clock asks for.
         board.crystal_mhz as u8,
     );
+    if let Some(line) = line {
+        text += &format!("pub(crate) type LinePort = rp2040_hal::pac::{line};\n");
+    }
     // Two pins have a slice: 0 and 1 slice 0, and again 16 and 17.
     let tool = board.pins(Role::Tool).and_then(<[_]>::first);
     let slice = tool
@@ -41,16 +46,19 @@ pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
     if slice.is_some() {
         text += "    pub(crate) tool_slice: Slice<ToolPwm, FreeRunning>,\n";
     }
-    text += "    pub(crate) line: LinePort,\n    pub(crate) log: LogPort,\n}\n\nimpl Pins {\n    \
+    if board.line.is_some() {
+        text += "    pub(crate) line: LinePort,\n";
+    }
+    text += "    pub(crate) log: LogPort,\n}\n\nimpl Pins {\n    \
              pub(crate) fn take(pins: gpio::Pins, slices: Slices, ports: Ports) -> Self {\n        Self {\n";
     text += &declared.values;
     text += "            slots: slices.pwm7,\n";
     if let Some(slice) = slice {
         text += &format!("            tool_slice: slices.pwm{slice},\n");
     }
-    text += &format!(
-        "            line: ports.{},\n            log: ports.{},\n",
-        board.line.name, board.log.name
-    );
+    if let Some(line) = board.line {
+        text += &format!("            line: ports.{},\n", line.name);
+    }
+    text += &format!("            log: ports.{},\n", board.log.name);
     text + "        }\n    }\n}\n"
 }

@@ -41,30 +41,39 @@ pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
             }
         },
     );
-    let [line, log] = [board.line, board.log].map(|port| port.name.to_uppercase());
+    let log = board.log.name.to_uppercase();
+    let line = board.line.map(|port| port.name.to_uppercase());
     let mut text = format!(
         "use crate::gpio::Pin;\n\
          use crate::parts::Rcc;\n\
          pub(crate) const PLL: crate::clock::Pll = crate::clock::Pll {{ divider: {}, factor: {} }};\n\
-         line_interrupt!({line});\n",
-        board.pll.divider, board.pll.factor,
+         line_interrupt!({}, {});\n",
+        board.pll.divider,
+        board.pll.factor,
+        // Without a port for the line, that of the log: its interrupt is never switched on there.
+        line.as_ref().unwrap_or(&log),
+        board.chip.usb.interrupt,
     );
     text += &match has_hal {
         true => format!(
             "use stm32f4xx_hal::gpio::GpioExt as _;\n\
-             use stm32f4xx_hal::pac::{{{line}, {log}}};\n\
-             pub(crate) type LinePort = {line};\n\
-             pub(crate) type LogPort = {log};\n\
-             pub(crate) const LINE_IS_ON_APB2: bool = {};\n\
+             pub(crate) type LogPort = stm32f4xx_hal::pac::{log};\n\
              pub(crate) const LOG_IS_ON_APB2: bool = {};\n",
-            is_on_fast_bus(board.line),
             is_on_fast_bus(board.log),
         ),
         // Every port has the same type there, and the same clock.
-        false => "pub(crate) type LinePort = stm32_metapac::usart::Usart;\n\
-                  pub(crate) type LogPort = LinePort;\n"
-            .into(),
+        false => "pub(crate) type LogPort = stm32_metapac::usart::Usart;\n".into(),
     };
+    if let (Some(port), Some(line)) = (board.line, &line) {
+        text += &match has_hal {
+            true => format!(
+                "pub(crate) type LinePort = stm32f4xx_hal::pac::{line};\n\
+                 pub(crate) const LINE_IS_ON_APB2: bool = {};\n",
+                is_on_fast_bus(port),
+            ),
+            false => "pub(crate) type LinePort = LogPort;\n".into(),
+        };
+    }
     let needed = needs.roles();
     for (role, name, [of_port, of_any]) in GROUPS {
         if let Some(pins) = board.pins(role).filter(|_| needed.contains_key(&role)) {
@@ -78,8 +87,12 @@ pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
         }
     }
     text += &declared.types;
+    let line_field = match line {
+        Some(_) => "    pub(crate) line: LinePort,\n",
+        None => "",
+    };
     text += &format!(
-        "pub(crate) struct Pins {{\n{}    pub(crate) line: LinePort,\n    pub(crate) log: LogPort,\n}}\n\nimpl Pins {{\n    pub(crate) fn take(ports: Ports, rcc: &mut Rcc) -> Self {{\n",
+        "pub(crate) struct Pins {{\n{}{line_field}    pub(crate) log: LogPort,\n}}\n\nimpl Pins {{\n    pub(crate) fn take(ports: Ports, rcc: &mut Rcc) -> Self {{\n",
         declared.fields
     );
     // Only these ports are switched on.
@@ -93,13 +106,14 @@ pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
             false => format!("        ports.switch_on('{port}', rcc);\n"),
         };
     }
-    let [line, log] = match has_hal {
-        true => [board.line, board.log].map(|port| format!("ports.{}", port.name)),
-        false => [line, log].map(|name| format!("stm32_metapac::{name}")),
+    let value = |port: &SerialPort| match has_hal {
+        true => format!("ports.{}", port.name),
+        false => format!("stm32_metapac::{}", port.name.to_uppercase()),
     };
-    text += &format!(
-        "        Self {{\n{}            line: {line},\n            log: {log},\n",
-        declared.values,
-    );
+    text += &format!("        Self {{\n{}", declared.values);
+    if let Some(port) = board.line {
+        text += &format!("            line: {},\n", value(port));
+    }
+    text += &format!("            log: {},\n", value(board.log));
     text + "        }\n    }\n}\n"
 }

@@ -1,0 +1,71 @@
+//! The line at a serial port.
+
+use crate::board::{LinePort, LineReceive, LineTransmit};
+use embedded_hal_nb::serial::Read;
+use heapless::spsc::{Consumer, Producer, Queue};
+use rp2040_hal::fugit::{HertzU32, RateExtU32};
+use rp2040_hal::gpio::{AnyPin, FunctionUart, Pin, PullNone, PullUp};
+use rp2040_hal::pac::RESETS;
+use rp2040_hal::uart::{
+    DataBits, FifoWatermark, Reader, StopBits, UartConfig, UartPeripheral, Writer,
+};
+use trirrr_app::{BAUD, RECEIVED};
+
+/// Capacity of the receiver, bytes.
+const FIFO: usize = 32;
+
+/// Pin of a transmitter.
+pub(crate) type Transmit<P> = Pin<<P as AnyPin>::Id, FunctionUart, PullNone>;
+type LinePins = (
+    Transmit<LineTransmit>,
+    Pin<<LineReceive as AnyPin>::Id, FunctionUart, PullUp>,
+);
+
+/// Bytes on their way to the background.
+pub(crate) type LineMemory = Queue<u8, RECEIVED>;
+
+/// Transmitter of the line.
+pub(crate) type LineTransmitter = Writer<LinePort, LinePins>;
+
+/// Receiver, in its interrupt.
+pub(crate) struct LineReceiver {
+    port: Reader<LinePort, LinePins>,
+    received: Producer<'static, u8>,
+}
+
+/// Starts the port of the line at its pins.
+pub(crate) fn start(
+    memory: &'static mut LineMemory,
+    (port, transmit, receive): (LinePort, LineTransmit, LineReceive),
+    resets: &mut RESETS,
+    clock: HertzU32,
+) -> (LineReceiver, Consumer<'static, u8>, LineTransmitter) {
+    let pins = (transmit.reconfigure(), receive.reconfigure());
+    let settings = UartConfig::new(BAUD.Hz(), DataBits::Eight, None, StopBits::One);
+    let Ok(mut line) = UartPeripheral::new(port, pins, resets).enable(settings, clock) else {
+        panic!("the clock does not divide into the baud rate of the line");
+    };
+    line.set_rx_watermark(FifoWatermark::Bytes4);
+    let (mut port, transmitter) = line.split();
+    port.enable_rx_interrupt();
+    let (received, bytes) = memory.split();
+    (LineReceiver { port, received }, bytes, transmitter)
+}
+
+impl LineReceiver {
+    /// Moves bytes from the line into their queue.
+    #[inline(always)]
+    pub(crate) fn run(&mut self) {
+        // Bounded: bytes beyond the receiver's capacity come later.
+        for _ in 0..FIFO {
+            match self.port.read() {
+                // A damaged byte, or one without room, damages its frame, which the host repeats.
+                Ok(byte) => {
+                    let _ = self.received.enqueue(byte);
+                }
+                Err(nb::Error::WouldBlock) => return,
+                Err(nb::Error::Other(_)) => {}
+            }
+        }
+    }
+}
