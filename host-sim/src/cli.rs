@@ -15,7 +15,7 @@ use crate::identify::IdentifyArgs;
 use crate::init::InitArgs;
 use crate::key::KeyArgs;
 use crate::linkage::LinkageArgs;
-use crate::machine::{DisableArgs, DrivesArgs, EnableArgs, ProbeArgs, ToolArgs};
+use crate::machine::{DisableArgs, DrivesArgs, EnableArgs, OutputArgs, ProbeArgs, ToolArgs};
 use crate::plan::PlanArgs;
 use crate::report::ReportArgs;
 use crate::run::RunArgs;
@@ -71,6 +71,8 @@ pub enum Command {
     Tool(ToolArgs),
     /// Move a machine straight until its probe touches, and tell where that is
     Probe(ProbeArgs),
+    /// Show the spare outputs and inputs of a machine, or switch an output
+    Output(OutputArgs),
     /// Move a machine to a pose, from rest or from any motion
     Goto(GotoArgs),
     /// Move a machine to the start of the scene's job, or to another pose, slowly

@@ -269,6 +269,8 @@ Refusal = Enum(
     ProbeTouches=None,
     ProbeOpen=None,
     LimitSwitch={"motor": BYTE},
+    NoOutput={"outputs": BYTE},
+    OutputsFull=None,
 )
 
 Hello = Struct(
@@ -400,6 +402,13 @@ TelemetryFields = Fields("TelemetryFields", U16)
 #: All of them.
 ALL_FIELDS = TelemetryFields.of(*TELEMETRY_FIELDS)
 
+OutputSwitch = Struct(
+    "OutputSwitch",
+    number=U32,
+    on=BYTE,
+    off=BYTE,
+)
+
 Command = Enum(
     "Command",
     Hello=Hello,
@@ -427,6 +436,8 @@ Command = Enum(
     Levels=LevelPiece,
     Listed=ListedMove,
     Probe={"away": BOOL},
+    Output={"index": BYTE, "on": BOOL},
+    OutputsAt=OutputSwitch,
 )
 
 Request = Struct(
@@ -604,6 +615,13 @@ ProbeRun = Enum(
     NotTouched=None,
 )
 
+DigitalStates = Struct(
+    "DigitalStates",
+    inputs=BYTE,
+    outputs=BYTE,
+    tick=U32,
+)
+
 Status = Struct(
     "Status",
     tick=U32,
@@ -630,6 +648,7 @@ Status = Struct(
     not_enabled=Optional(NotEnabled),
     inputs=InputStates,
     probe=Optional(ProbeRun),
+    digital=Optional(DigitalStates),
 )
 
 Event = Enum(
@@ -639,6 +658,7 @@ Event = Enum(
     Fault=Fault,
     Inputs=InputStates,
     Probe=ProbeRun,
+    Digital=DigitalStates,
 )
 
 

@@ -54,6 +54,13 @@ pub trait Outputs {
         let _ = (power, runs);
     }
 
+    /// Switches the spare outputs, a bit for each. As [`work`](Self::work), also behind a tick with a fault.
+    #[cfg(digital)]
+    #[inline(always)]
+    fn switch(&mut self, outputs: u8) {
+        let _ = outputs;
+    }
+
     /// Shows the state of the machine on a lamp. Once per tick.
     #[inline(always)]
     fn show(&mut self, state: State) {

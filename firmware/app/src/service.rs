@@ -77,11 +77,17 @@ type FeelingScene = MeasuredScene;
 #[cfg(contact)]
 type FeelingScene = WithContact<'static, MeasuredScene, Retreat>;
 
-/// Scene of this image. It may have an emergency stop, a door, limit switches and a probe.
+/// The same with its emergency stop, door, limit switches and probe, if it has any.
 #[cfg(not(interlocks))]
-pub(crate) type ImageScene = FeelingScene;
+type GuardedScene = FeelingScene;
 #[cfg(interlocks)]
-pub(crate) type ImageScene = WithInterlocks<FeelingScene, INPUTS, Probe>;
+type GuardedScene = WithInterlocks<FeelingScene, INPUTS, Probe>;
+
+/// Scene of this image. It may have spare outputs and inputs.
+#[cfg(not(digital))]
+pub(crate) type ImageScene = GuardedScene;
+#[cfg(digital)]
+pub(crate) type ImageScene = trirrr_service::WithDigital<GuardedScene>;
 
 /// Retreat of this image after a contact.
 #[cfg(all(contact, not(retreat)))]
@@ -159,6 +165,11 @@ pub fn build(
         scene,
         parameters: INTERLOCKS,
         probe: core::marker::PhantomData,
+    };
+    #[cfg(digital)]
+    let scene = trirrr_service::WithDigital {
+        scene,
+        parameters: crate::scene::DIGITAL,
     };
     // The reader of the scene refuses a start out of reach. The error is not formatted: that would bring
     // floats as text into the image.

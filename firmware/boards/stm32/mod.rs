@@ -4,6 +4,9 @@
 pub(crate) mod board;
 pub(crate) mod clocking;
 pub(crate) mod counts;
+#[cfg(digital)]
+#[path = "../digital.rs"]
+pub(crate) mod digital;
 pub(crate) mod fault_status;
 #[cfg(interlocks)]
 pub(crate) mod interlocks;

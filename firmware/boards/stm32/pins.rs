@@ -50,6 +50,11 @@ impl<const P: char, const N: u8> BoardPin for Pin<P, N> {
     }
 }
 
+/// Makes the pin an input that a function reads as high while nothing is connected.
+pub(crate) fn pulled_up<P: BoardPin>(pin: P) -> P::Input {
+    pin.input(Pull::Up)
+}
+
 /// Pin behind which the wiring inverts the level.
 pub(crate) struct Inverted<P>(pub(crate) P);
 

@@ -50,6 +50,16 @@ mod app {
         <crate::board::Lamp as crate::pins::BoardPin>::Output,
     >;
 
+    #[cfg(not(digital))]
+    type BoardOutputs = Outputs;
+    #[cfg(digital)]
+    type BoardOutputs = crate::digital::SwitchedOutputs<Outputs>;
+
+    #[cfg(not(digital))]
+    type BoardInputs = Switches;
+    #[cfg(digital)]
+    type BoardInputs = crate::digital::SensedInputs<Switches>;
+
     #[shared]
     struct Shared {}
 
@@ -57,7 +67,7 @@ mod app {
     struct Local {
         receiver: LineReceiver,
         received: Producer<'static, u8>,
-        tick: Tick<Switches, Outputs>,
+        tick: Tick<BoardInputs, BoardOutputs>,
         timer: DriveTimer,
         background: Background<LineTransmitter, LogTransmitter>,
         watchdog: Watchdog,
@@ -138,6 +148,34 @@ mod app {
             inputs,
             (pins.stop, pins.door, pins.probe),
             (pins.limit_1, pins.limit_2, pins.limit_3),
+        );
+        #[cfg(digital)]
+        let outputs = crate::digital::outputs(
+            outputs,
+            (
+                pins.output_1,
+                pins.output_2,
+                pins.output_3,
+                pins.output_4,
+                pins.output_5,
+                pins.output_6,
+                pins.output_7,
+                pins.output_8,
+            ),
+        );
+        #[cfg(digital)]
+        let inputs = crate::digital::inputs(
+            inputs,
+            (
+                pins.input_1,
+                pins.input_2,
+                pins.input_3,
+                pins.input_4,
+                pins.input_5,
+                pins.input_6,
+                pins.input_7,
+                pins.input_8,
+            ),
         );
         let watchdog = chip.watchdog.start();
         let (received, bytes) = bytes.split();

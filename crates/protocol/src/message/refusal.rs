@@ -137,4 +137,11 @@ pub enum Refusal<N: Number> {
         /// The motor, from 0.
         motor: u8,
     },
+    /// The scene names no such spare output.
+    NoOutput {
+        /// Number of those that it names.
+        outputs: u8,
+    },
+    /// No room for another change of outputs with the motion, before one of those given is over.
+    OutputsFull,
 }

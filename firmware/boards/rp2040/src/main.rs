@@ -14,6 +14,9 @@ mod board;
 mod chip;
 #[cfg(target_os = "none")]
 mod clock;
+#[cfg(all(target_os = "none", digital))]
+#[path = "../../digital.rs"]
+mod digital;
 #[cfg(target_os = "none")]
 mod drives;
 #[cfg(all(target_os = "none", interlocks))]
@@ -88,6 +91,16 @@ mod app {
         <super::board::Lamp as super::pins::BoardPin>::Output,
     >;
 
+    #[cfg(not(digital))]
+    type BoardOutputs = Outputs;
+    #[cfg(digital)]
+    type BoardOutputs = super::digital::SwitchedOutputs<Outputs>;
+
+    #[cfg(not(digital))]
+    type BoardInputs = Switches;
+    #[cfg(digital)]
+    type BoardInputs = super::digital::SensedInputs<Switches>;
+
     #[shared]
     struct Shared {}
 
@@ -95,7 +108,7 @@ mod app {
     struct Local {
         receiver: Reader<LinePort, LinePins>,
         received: Producer<'static, u8>,
-        tick: Tick<Switches, Outputs>,
+        tick: Tick<BoardInputs, BoardOutputs>,
         slot: DriveTimer,
         background: Background<Writer<LinePort, LinePins>, Writer<LogPort, LogPins>>,
         watchdog: Watchdog,
@@ -193,6 +206,34 @@ mod app {
             inputs,
             (pins.stop, pins.door, pins.probe),
             (pins.limit_1, pins.limit_2, pins.limit_3),
+        );
+        #[cfg(digital)]
+        let outputs = super::digital::outputs(
+            outputs,
+            (
+                pins.output_1,
+                pins.output_2,
+                pins.output_3,
+                pins.output_4,
+                pins.output_5,
+                pins.output_6,
+                pins.output_7,
+                pins.output_8,
+            ),
+        );
+        #[cfg(digital)]
+        let inputs = super::digital::inputs(
+            inputs,
+            (
+                pins.input_1,
+                pins.input_2,
+                pins.input_3,
+                pins.input_4,
+                pins.input_5,
+                pins.input_6,
+                pins.input_7,
+                pins.input_8,
+            ),
         );
         watchdog.start(WATCHDOG_MS.millis());
         let (received, bytes) = bytes.split();

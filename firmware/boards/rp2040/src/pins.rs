@@ -65,6 +65,11 @@ where
     }
 }
 
+/// Makes the pin an input that a function reads as high while nothing is connected.
+pub(crate) fn pulled_up<P: BoardPin>(pin: P) -> P::Input {
+    pin.input()
+}
+
 /// Pin behind which the wiring inverts the level.
 pub(crate) struct Inverted<P>(pub(crate) P);
 
