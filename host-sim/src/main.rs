@@ -42,6 +42,7 @@ fn main() -> ExitCode {
         Command::Tool(args) => switch(|stop| machine::tool(args, stop)),
         Command::Probe(args) => switch(|stop| machine::probe(args, stop)),
         Command::Update(args) => switch(|stop| update::command(args, stop)),
+        Command::Output(args) => switch(|stop| machine::output(args, stop)),
         Command::Grbl(args) => switch(|stop| grbl::command(args, stop)),
         Command::Goto(args) => to_the_end(|stop| goals::goto(args, stop)),
         Command::Park(args) => to_the_end(|stop| goals::park(args, stop)),

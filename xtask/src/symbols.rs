@@ -106,6 +106,11 @@ const MARKS: &[Mark] = &[
         used: |scene| scene.has_lamp,
     },
     Mark {
+        what: "spare outputs or inputs",
+        names: &["11WithDigital", "13DigitalPlayer"],
+        used: |scene| scene.spare_pins.are_named(),
+    },
+    Mark {
         what: "a probe",
         names: &["10ProbeLatch"],
         used: |scene| scene.inputs.interlocks.probe.is_some(),
@@ -262,6 +267,10 @@ mod tests {
             ("_RNv5scene11interlocked14WithInterlocks", "interlocks"),
             ("_RNv5interlock5probe10ProbeLatch4read", "a probe"),
             ("_RNv4lamp7LampPin4show", "a status lamp"),
+            (
+                "_RNv7digital6player13DigitalPlayer5begin",
+                "spare outputs or inputs",
+            ),
             ("_RNv6levels4list10MoveLevels", "power lists"),
             (
                 "_RNv8switches13RuledSwitches6closed",

@@ -284,6 +284,8 @@ Refusal = Enum(
     LimitSwitch={"motor": BYTE},
     NoUpdate=None,
     Update=UpdateRefusal,
+    NoOutput={"outputs": BYTE},
+    OutputsFull=None,
 )
 
 Hello = Struct(
@@ -464,6 +466,13 @@ UpdateStatus = Struct(
     outcome=UpdateOutcome,
 )
 
+OutputSwitch = Struct(
+    "OutputSwitch",
+    number=U32,
+    on=BYTE,
+    off=BYTE,
+)
+
 Command = Enum(
     "Command",
     Hello=Hello,
@@ -493,6 +502,8 @@ Command = Enum(
     Probe={"away": BOOL},
     UpdateStatus=None,
     Update=UpdateStep,
+    Output={"index": BYTE, "on": BOOL},
+    OutputsAt=OutputSwitch,
 )
 
 Request = Struct(
@@ -662,6 +673,13 @@ ProbeRun = Enum(
     NotTouched=None,
 )
 
+DigitalStates = Struct(
+    "DigitalStates",
+    inputs=BYTE,
+    outputs=BYTE,
+    tick=U32,
+)
+
 Status = Struct(
     "Status",
     tick=U32,
@@ -688,6 +706,7 @@ Status = Struct(
     not_enabled=Optional(NotEnabled),
     inputs=InputStates,
     probe=Optional(ProbeRun),
+    digital=Optional(DigitalStates),
 )
 
 Event = Enum(
@@ -697,6 +716,7 @@ Event = Enum(
     Fault=Fault,
     Inputs=InputStates,
     Probe=ProbeRun,
+    Digital=DigitalStates,
 )
 
 

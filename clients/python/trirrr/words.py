@@ -36,6 +36,8 @@ _CODES = {
     "Contact": "contact: a force of {value:.4g} N at the tool, the most allowed is {limit:.4g} N",
     "ContactMoment": "contact: a moment of {value:.4g} N m at the tool, the most allowed is {limit:.4g} N m",
     "EmergencyStop": "the emergency stop was pressed, or its wire is broken: release it, then acknowledge the fault",
+    "NoOutput": "the machine's scene names {outputs} spare outputs: [[io.outputs]] names them, the first has number 0",
+    "OutputsFull": "the machine has no room for more changes of outputs with moves yet",
     "LimitSwitch": "motor {number} has reached its limit switch, or the wire of that is broken: acknowledge the fault, then a "
     "recovery leads off it",
 }
@@ -138,7 +140,7 @@ def refusal(found: Any) -> str:
     # A machine of a later version may know more refusals.
     if text is None:
         return str(found)
-    fields = {name: getattr(content, name) for name in ("expected", "longest") if hasattr(content, name)}
+    fields = {name: getattr(content, name) for name in ("expected", "longest", "outputs") if hasattr(content, name)}
     if found.name == "LimitSwitch":
         fields["number"] = content.motor + 1
     return text.format(**fields)

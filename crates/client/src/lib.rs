@@ -38,7 +38,9 @@ pub use approach::short_way;
 pub use exchange::Patience;
 pub use failure::JobFailure;
 pub use goal_client::{GoalAction, GoalClient, GoalFailure};
-pub use job_client::{Action, JobClient, JobWork, MoveChecksum, SuppliedMoves, UserCommand};
+pub use job_client::{
+    Action, JobClient, JobWork, MoveChecksum, SuppliedMoves, UserCommand, switched_label,
+};
 pub use manual_client::{ManualAction, ManualClient};
 pub use resume::{JobPlace, JobRest};
 pub use update_client::{ProgramImage, UpdateAction, UpdateClient, UpdateFailure};

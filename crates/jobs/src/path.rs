@@ -5,8 +5,10 @@ use trirrr_core::setpoint::Pose;
 use trirrr_plan::corner::round_corners;
 use trirrr_plan::course::PathPiece;
 use trirrr_plan::piece::Piece;
-use trirrr_scene::{Dwell, JobPath, LevelRow, Tool};
-use trirrr_toolpath::{Act, Element, PathFault, ToolCurve, ToolMotion, ToolPlace, ToolWork};
+use trirrr_scene::{Dwell, JobPath, LevelRow, OutputBits, PathOutputs, Tool};
+use trirrr_toolpath::{
+    Act, Element, OutputAct, PathFault, ToolCurve, ToolMotion, ToolPlace, ToolWork,
+};
 
 /// Length, m or rad, below which a motion is what the rounding of decimals has left.
 const LENGTH_MIN: f64 = 1e-9;
@@ -30,6 +32,9 @@ pub trait PathSink {
 
     /// A stand behind the pieces so far.
     fn dwell(&mut self, dwell: Dwell);
+
+    /// A change of outputs at an element, which comes before its piece or its dwell.
+    fn outputs(&mut self, outputs: PathOutputs);
 }
 
 /// Reader of the elements of a path. The number of a piece in the file is its line.
@@ -47,6 +52,8 @@ pub struct PathReader {
     pieces: usize,
     /// and numbers of elements.
     sources: usize,
+    /// Outputs that change with the next motion.
+    waiting: Option<OutputBits>,
     /// Lines at which the job waits for the user.
     pub pauses: Vec<u32>,
 }
@@ -63,6 +70,7 @@ impl PathReader {
             stops: true,
             pieces: 0,
             sources: 0,
+            waiting: None,
             pauses: Vec::new(),
         }
     }
@@ -83,6 +91,15 @@ impl PathReader {
                 let tool = tool_of(element.tool, motion.feed_m_s);
                 let piece = piece_from(self.at, motion);
                 if has_length(&piece) {
+                    if let Some(bits) = self.waiting.take() {
+                        // Moves end where another setting begins.
+                        self.change_setting();
+                        sink.outputs(PathOutputs {
+                            source,
+                            with_motion: true,
+                            bits,
+                        });
+                    }
                     self.note_tool(source, tool, sink);
                     self.add(piece, motion.feed_m_s, source, tool, sink);
                 }
@@ -103,6 +120,27 @@ impl PathReader {
                     ticks: ticks as u32,
                 });
                 self.stops = true;
+            }
+            Act::Output(OutputAct {
+                index,
+                on,
+                with_motion,
+            }) => {
+                let bits = OutputBits::one(*index, *on);
+                if *with_motion {
+                    let waiting = self.waiting.unwrap_or_default();
+                    self.waiting = Some(waiting.then(bits));
+                } else {
+                    sink.outputs(PathOutputs {
+                        source,
+                        with_motion: false,
+                        bits,
+                    });
+                    // A stand of one tick, in which they change, has its place on the path wherever that is.
+                    self.note_tool(source, None, sink);
+                    sink.dwell(Dwell { source, ticks: 1 });
+                    self.stops = true;
+                }
             }
             Act::Pause => {
                 self.pauses.push(element.line);
@@ -182,6 +220,8 @@ struct PathParts {
     tools: Vec<Option<Tool>>,
     /// Rows of levels.
     rows: Vec<LevelRow>,
+    /// Changes of outputs.
+    outputs: Vec<PathOutputs>,
 }
 
 impl PathSink for Option<PathParts> {
@@ -203,6 +243,12 @@ impl PathSink for Option<PathParts> {
     fn dwell(&mut self, dwell: Dwell) {
         if let Some(parts) = self {
             parts.dwells.push(dwell);
+        }
+    }
+
+    fn outputs(&mut self, outputs: PathOutputs) {
+        if let Some(parts) = self {
+            parts.outputs.push(outputs);
         }
     }
 }
@@ -274,7 +320,7 @@ impl PathBuilder {
             parts.dwells.clone(),
             parts.tools.clone(),
         );
-        let rows = parts.rows.clone();
+        let (rows, outputs) = (parts.rows.clone(), parts.outputs.clone());
         if pieces.len().max(pass) * times as usize > PIECES_MAX {
             return Err(too_often(times, PIECES_MAX));
         }
@@ -292,6 +338,10 @@ impl PathBuilder {
             parts.rows.extend(rows.iter().map(|each| LevelRow {
                 source: each.source + offset,
                 ..each.clone()
+            }));
+            parts.outputs.extend(outputs.iter().map(|each| PathOutputs {
+                source: each.source + offset,
+                ..*each
             }));
             parts.dwells.extend(dwells.iter().map(|each| Dwell {
                 source: each.source + offset,
@@ -320,6 +370,7 @@ impl PathBuilder {
             dwells: parts.dwells,
             tools: parts.tools,
             rows: parts.rows,
+            outputs: parts.outputs,
             tolerance_m: TOLERANCE_M,
             tolerance_rad: TOLERANCE_RAD,
         })

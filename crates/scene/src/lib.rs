@@ -12,6 +12,7 @@
 #![forbid(unsafe_code)]
 
 mod blocks;
+mod carried;
 pub mod cases;
 mod contact;
 mod controller;
@@ -35,6 +36,7 @@ mod longest_stop;
 mod machine;
 mod obstacle;
 pub mod offer;
+mod outputs;
 mod path;
 mod peak;
 pub mod pipeline;
@@ -60,6 +62,7 @@ mod visible;
 pub mod words;
 
 pub use blocks::{BlockCutter, PathBlock};
+pub use carried::{CarriedTools, ToolBody};
 pub use contact::{Contact, ContactFriction};
 pub use controller::{Controller, Timing};
 pub use drive::{
@@ -70,6 +73,7 @@ pub use error::{Problem, SceneError};
 pub use feedback::Feedback;
 pub use homing::Homing;
 pub use inputs::{InputPorts, NormalContact};
+pub use io::{SpareInput, SpareOutput, SparePins};
 pub use job::{Job, JobMove, Tool};
 pub use job_path::{Dwell, FreeAlpha, JobPath};
 pub use kind::MachineKind;
@@ -78,6 +82,7 @@ pub use limits::MissingLimit;
 pub use long_job::UntakenJob;
 pub use longest_stop::LongestStop;
 pub use obstacle::limited;
+pub use outputs::{JobOutputs, OutputBits, PathOutputs};
 pub use path::{MoveVerdict, judge_move};
 pub use planning::{MOVE_COLUMNS, PlannedJob, plan_job};
 pub use plant::{Friction, JointFriction, Method, Plant, Transmission};

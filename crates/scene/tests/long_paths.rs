@@ -72,6 +72,7 @@ impl Chords {
             dwells: self.dwells.clone(),
             tools: self.tools.clone(),
             rows: Vec::new(),
+            outputs: Vec::new(),
             tolerance_m: TOLERANCES[0],
             tolerance_rad: TOLERANCES[1],
         }

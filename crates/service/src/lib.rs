@@ -38,6 +38,7 @@ mod background;
 mod channels;
 mod coefficients;
 mod contact;
+mod digital;
 mod feed;
 mod feedback;
 mod foreground;
@@ -68,6 +69,9 @@ pub use contact::{
     ContactChannels, ContactCoefficients, ContactMemory, ContactModel, ContactObserver,
     ContactParameters, ContactReceiver, ContactThresholds, ContactWatch, Deviation,
 };
+pub use digital::{
+    DigitalKind, DigitalParameters, DigitalPlayer, DigitalPorts, DigitalReadingsOf, DigitalSender,
+};
 pub use feedback::{
     DriveFeedback, DriveWatch, Feedback, FeedbackCoefficients, FeedbackParameters,
     FeedbackReceiver, FeedbackReport, Readings, ReadingsOf, WatchLimits,
@@ -90,7 +94,7 @@ pub use planner::{PathPlanner, PathStep, Planning};
 pub use retreat::{NoRetreat, RetreatKind, Retreats, Trail};
 pub use scene::{
     Adjustable, Compiled, ImageSlot, NoSlot, Parts, Put, Scene, Setup, Slot, Take, WithContact,
-    WithFeedback, WithHoming, WithInterlocks, WithLevels, WithUpdate,
+    WithDigital, WithFeedback, WithHoming, WithInterlocks, WithLevels, WithUpdate,
 };
 pub use service::{Played, Service};
 pub use settings::{PowerTimes, Reactions, SceneIdentity, Settings, StopCategory, key, name};

@@ -137,6 +137,6 @@ fn log_event(event: &Event<Scalar>) {
         ),
         #[cfg(not(interlocks))]
         Event::Inputs(_) => {}
-        Event::Probe(_) => {}
+        Event::Probe(_) | Event::Digital(_) => {}
     }
 }

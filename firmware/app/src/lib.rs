@@ -21,6 +21,8 @@
 mod background;
 #[cfg(target_os = "none")]
 pub mod cause;
+#[cfg(all(target_os = "none", digital))]
+pub mod digital;
 #[cfg(target_os = "none")]
 pub mod failure;
 #[cfg(all(target_os = "none", feature = "fault-injection"))]

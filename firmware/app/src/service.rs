@@ -87,11 +87,17 @@ type GuardedScene = FeelingScene;
 #[cfg(interlocks)]
 type GuardedScene = WithInterlocks<FeelingScene, INPUTS, Probe>;
 
+/// The same with its spare outputs and inputs, if it has any.
+#[cfg(not(digital))]
+type SwitchedScene = GuardedScene;
+#[cfg(digital)]
+type SwitchedScene = trirrr_service::WithDigital<GuardedScene>;
+
 /// Scene of this image. Its program may be replaced over the line.
 #[cfg(not(update))]
-pub(crate) type ImageScene = GuardedScene;
+pub(crate) type ImageScene = SwitchedScene;
 #[cfg(update)]
-pub(crate) type ImageScene = WithUpdate<GuardedScene, NewImage>;
+pub(crate) type ImageScene = WithUpdate<SwitchedScene, NewImage>;
 
 /// Retreat of this image after a contact.
 #[cfg(all(contact, not(retreat)))]
@@ -169,6 +175,11 @@ pub fn build(
         scene,
         parameters: INTERLOCKS,
         probe: core::marker::PhantomData,
+    };
+    #[cfg(digital)]
+    let scene = trirrr_service::WithDigital {
+        scene,
+        parameters: crate::scene::DIGITAL,
     };
     #[cfg(update)]
     let scene = WithUpdate {

@@ -1,4 +1,4 @@
-//! Outputs of the tick: the drives, and beside them brake, tool and lamp, where the scene has them.
+//! Outputs of the tick: the drives, and beside them brake, tool, lamp and spare outputs, where the scene has them.
 
 use crate::drives::Drives;
 #[cfg(any(brake, lamp))]
@@ -17,9 +17,13 @@ type Tool = ();
 type Lamp = trirrr_app::LampPin<<crate::board::Lamp as BoardPin>::Output>;
 #[cfg(not(lamp))]
 type Lamp = ();
+#[cfg(digital)]
+type Spare = crate::digital::SpareOutputPins;
+#[cfg(not(digital))]
+type Spare = ();
 
 /// Outputs of this image.
-pub(crate) type BoardOutputs = WithParts<Drives, (Brake, Tool, Lamp)>;
+pub(crate) type BoardOutputs = WithParts<Drives, (Brake, Tool, Lamp, Spare)>;
 
 /// Drives and tool, which are off, and the pins beside them.
 pub(crate) struct OutputPins {
@@ -30,6 +34,8 @@ pub(crate) struct OutputPins {
     pub(crate) tool: crate::tool::ToolPin,
     #[cfg(lamp)]
     pub(crate) lamp: crate::board::Lamp,
+    #[cfg(digital)]
+    pub(crate) spare: crate::digital::OutputPins,
 }
 
 /// Joins the outputs, all off.
@@ -48,6 +54,10 @@ pub(crate) fn build(pins: OutputPins) -> BoardOutputs {
             #[cfg(lamp)]
             Lamp::new(pins.lamp.output(false)),
             #[cfg(not(lamp))]
+            (),
+            #[cfg(digital)]
+            crate::digital::outputs(pins.spare),
+            #[cfg(not(digital))]
             (),
         ),
     }

@@ -127,6 +127,17 @@ mod app {
             tool,
             #[cfg(lamp)]
             lamp: pins.lamp,
+            #[cfg(digital)]
+            spare: (
+                pins.output_1,
+                pins.output_2,
+                pins.output_3,
+                pins.output_4,
+                pins.output_5,
+                pins.output_6,
+                pins.output_7,
+                pins.output_8,
+            ),
         });
         let inputs = inputs::build(InputPins {
             #[cfg(homing)]
@@ -135,6 +146,17 @@ mod app {
             contacts: (pins.stop, pins.door, pins.probe),
             #[cfg(interlocks)]
             limits: (pins.limit_1, pins.limit_2, pins.limit_3),
+            #[cfg(digital)]
+            spare: (
+                pins.input_1,
+                pins.input_2,
+                pins.input_3,
+                pins.input_4,
+                pins.input_5,
+                pins.input_6,
+                pins.input_7,
+                pins.input_8,
+            ),
         });
         let watchdog = chip.watchdog.start();
         #[cfg(not(usb))]

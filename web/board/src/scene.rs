@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use trirrr_client::describe::Units;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::LevelRange;
-use trirrr_scene::{JobLevels, JobMove, NumberType, Tool};
+use trirrr_scene::{CarriedTools, JobLevels, JobMove, NumberType, Tool};
 
 /// Numbers of a move.
 const MOVE: usize = 22;
@@ -21,6 +21,8 @@ pub(crate) struct TalkScene {
     pub(crate) moves: Vec<JobMove>,
     pub(crate) levels: JobLevels,
     pub(crate) has_homing: bool,
+    /// Tools, and the one that the job is for.
+    pub(crate) tools: Option<CarriedTools>,
 }
 
 impl TalkScene {
@@ -56,7 +58,23 @@ impl TalkScene {
                 ranges: ranges.chunks(5).map(range).collect::<Result<_, _>>()?,
             },
             has_homing: homing != 0.0,
+            tools: None,
         })
+    }
+
+    /// Reads the tools of the scene, and which of them the job is for.
+    pub(crate) fn carry(&mut self, names: Vec<String>, bodies: &[f64]) -> Result<(), String> {
+        let [wanted, bodies @ ..] = bodies else {
+            return Ok(());
+        };
+        let (bodies, rest) = bodies.as_chunks();
+        // From float to integer the cast saturates.
+        let tools = CarriedTools::new(names, bodies.to_vec(), *wanted as usize);
+        self.tools = tools.filter(|_| rest.is_empty());
+        match self.tools {
+            Some(_) => Ok(()),
+            None => Err("a tool has a name and six numbers".into()),
+        }
     }
 }
 

@@ -88,6 +88,16 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
             "motor {} stands on its limit switch: only a recovery or homing moves the machine off it",
             u32::from(*motor) + 1
         ),
+        Refusal::NoOutput { outputs: 0 } => {
+            "the board's scene names no spare output: [[io.outputs]] would".into()
+        }
+        Refusal::NoOutput { outputs } => format!(
+            "the board's scene names {outputs} spare outputs, of the numbers 0 to {}",
+            outputs - 1
+        ),
+        Refusal::OutputsFull => {
+            "the board has no room for more changes of outputs with moves yet".into()
+        }
         Refusal::StartVelocity => "it does not start as fast as the last one ends".into(),
         Refusal::Tool => "the tool's power is not from 0 to 1, or its speed negative".into(),
         Refusal::NotAdjustable => "the board's image holds no code to change its scene".into(),

@@ -15,6 +15,7 @@
 
 mod board;
 mod command;
+mod digital;
 mod drive;
 mod inputs;
 mod levels;
@@ -37,6 +38,7 @@ pub use command::{
     AllMoves, Command, Goal, Hello, JobLabel, ListedContent, MoveContents, OfferedMoves,
     QuinticContent, Recovery, Request,
 };
+pub use digital::{DIGITAL, DigitalStates, OutputSwitch};
 pub use drive::{DriveReading, DriveSample, DriveState, NotEnabled};
 pub use inputs::{InputState, InputStates};
 pub use levels::{FULL_LEVEL, LEVEL_PARTS, LEVELS, LISTED, LevelPiece, LevelRange, ListedMove};

@@ -1,6 +1,7 @@
 mod accounts;
 mod batches;
 mod contact;
+mod digital;
 mod explore;
 mod faults;
 mod feedback;

@@ -60,6 +60,16 @@ mod app {
     type LogPin = Pin<<LogTransmit as AnyPin>::Id, FunctionUart, PullNone>;
     type LogPins = uart::Pins<OptionTSome<LogPin>, OptionTNone, OptionTNone, OptionTNone>;
 
+    #[cfg(not(digital))]
+    type BoardOutputs = Outputs;
+    #[cfg(digital)]
+    type BoardOutputs = super::digital::SwitchedOutputs<Outputs>;
+
+    #[cfg(not(digital))]
+    type BoardInputs = Switches;
+    #[cfg(digital)]
+    type BoardInputs = super::digital::SensedInputs<Switches>;
+
     #[shared]
     struct Shared {}
 
@@ -152,6 +162,17 @@ mod app {
             tool,
             #[cfg(lamp)]
             lamp: pins.lamp,
+            #[cfg(digital)]
+            spare: (
+                pins.output_1,
+                pins.output_2,
+                pins.output_3,
+                pins.output_4,
+                pins.output_5,
+                pins.output_6,
+                pins.output_7,
+                pins.output_8,
+            ),
         });
         let inputs = inputs::build(InputPins {
             #[cfg(homing)]
@@ -160,6 +181,17 @@ mod app {
             contacts: (pins.stop, pins.door, pins.probe),
             #[cfg(interlocks)]
             limits: (pins.limit_1, pins.limit_2, pins.limit_3),
+            #[cfg(digital)]
+            spare: (
+                pins.input_1,
+                pins.input_2,
+                pins.input_3,
+                pins.input_4,
+                pins.input_5,
+                pins.input_6,
+                pins.input_7,
+                pins.input_8,
+            ),
         });
         watchdog.start(WATCHDOG_MS.millis());
         let clock = TickClock::start(context.core.SYST, const { period(CORE_HZ) });

@@ -17,7 +17,7 @@ pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
 }
 
 /// Fields of the struct `Pins` for a role, one for each of its pins.
-const FIELDS: [(Role, &[&str]); 22] = [
+const FIELDS: [(Role, &[&str]); 24] = [
     (Role::LineTransmit, &["line_transmit"]),
     (Role::LineReceive, &["line_receive"]),
     (Role::LogTransmit, &["log_transmit"]),
@@ -52,6 +52,19 @@ const FIELDS: [(Role, &[&str]); 22] = [
     (Role::Homing, &["homing_1", "homing_2", "homing_3"]),
     (Role::Brake, &["brake"]),
     (Role::Lamp, &["lamp"]),
+    (
+        Role::Outputs,
+        &[
+            "output_1", "output_2", "output_3", "output_4", "output_5", "output_6", "output_7",
+            "output_8",
+        ],
+    ),
+    (
+        Role::Inputs,
+        &[
+            "input_1", "input_2", "input_3", "input_4", "input_5", "input_6", "input_7", "input_8",
+        ],
+    ),
 ];
 
 /// Field of a struct: no pin where the scene has no use for it, and a type of the firmware asks for one.
@@ -82,7 +95,14 @@ fn fields<'b>(board: &'b BoardFile, needs: &Needs) -> Vec<PinField<'b>> {
     });
     let mut fields: Vec<_> = of_usb.collect();
     for (role, names) in FIELDS {
-        let pins: Vec<Option<&WiredPin>> = if is_always(role) || needed.contains_key(&role) {
+        let pins: Vec<Option<&WiredPin>> = if role.entry().is_list {
+            // All are one type of the firmware: where the scene names fewer, the rest is none.
+            let named = board.pins(role).into_iter().flatten().map(Some);
+            let named = named.take(needs.listed(role));
+            let rest = std::iter::repeat(None);
+            let all = if needs.has_spare() { names.len() } else { 0 };
+            named.chain(rest).take(all).collect()
+        } else if is_always(role) || needed.contains_key(&role) {
             board.pins(role).into_iter().flatten().map(Some).collect()
         } else if is_beside(role) {
             vec![None; names.len()]

@@ -136,6 +136,14 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
         }
     }
 
+    if scene.spare_pins.are_named() {
+        let parameters = scene.spare_pins.parameters();
+        let digital = format!("{service}::DigitalParameters");
+        file.constant("DIGITAL", &digital, constant(&parameters));
+        let active_high = scene.spare_pins.active_high();
+        file.constant("INPUTS_ACTIVE_HIGH", "u8", active_high.to_string());
+    }
+
     if let Some(feedback) = &scene.feedback {
         let geometry = Geometry::<N>::build(parameters)?;
         let start = Pose::from_f64(job.start.position.x, job.start.position.y, job.start.angle);
@@ -361,6 +369,18 @@ mod tests {
             assert!(text.contains(line), "{line}");
         }
         assert!(!shipped("engraving.toml").contains("INTERLOCKS"));
+    }
+
+    #[test]
+    fn a_scene_with_spare_pins_has_their_settings_and_no_other_has() {
+        let text = shipped("inputs/valves.toml");
+        for line in [
+            "trirrr_service::DigitalParameters { outputs: 2, in_jobs: 1, inputs: 1, debounce_ticks: [10, 1, 1, 1, 1, 1, 1, 1], }",
+            "pub const INPUTS_ACTIVE_HIGH: u8 = 0;",
+        ] {
+            assert!(text.contains(line), "{line}\n{text}");
+        }
+        assert!(!shipped("inputs/probing.toml").contains("DIGITAL"));
     }
 
     #[test]
