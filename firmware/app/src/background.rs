@@ -1,11 +1,12 @@
 //! Work below the tick, a bounded slice at a time.
 
 use crate::heartbeat::Monitor;
-use crate::line::{Line, Received};
+use crate::line::{Line, ReceivedBytes};
 use crate::log;
 use crate::scene::Scalar;
 use crate::service::{MessageRef, SceneBackground};
 use embedded_hal_nb::serial::Write;
+use heapless::spsc::Consumer;
 use trirrr_protocol::message::Event;
 
 /// Messages between two slices, at the most: as many as samples wait.
@@ -13,10 +14,11 @@ const MESSAGES: usize = 8;
 
 /// Half of the service that talks, with the line, the log and the watchdog's condition.
 ///
-/// `W` is the line's transmitter, `L` that of the log.
-pub struct Background<W, L> {
+/// `W` is the line's transmitter, `L` that of the log, `R` the line's receiver: the queue that an interrupt fills, or a DMA.
+pub struct Background<W, L, R = Consumer<'static, u8>> {
     service: SceneBackground,
     line: Line,
+    receiver: R,
     transmitter: W,
     log: L,
     heartbeat: Monitor,
@@ -24,12 +26,13 @@ pub struct Background<W, L> {
     replied: bool,
 }
 
-impl<W: Write<u8>, L: Write<u8>> Background<W, L> {
-    /// Joins the service's half with the queue of received bytes and both transmitters.
-    pub fn new(service: SceneBackground, received: Received, transmitter: W, log: L) -> Self {
+impl<W: Write<u8>, L: Write<u8>, R: ReceivedBytes> Background<W, L, R> {
+    /// Joins the service's half with the line's receiver and both transmitters.
+    pub fn new(service: SceneBackground, receiver: R, transmitter: W, log: L) -> Self {
         Self {
             service,
-            line: Line::new(received),
+            line: Line::new(),
+            receiver,
             transmitter,
             log,
             heartbeat: Monitor::default(),
@@ -49,6 +52,7 @@ impl<W: Write<u8>, L: Write<u8>> Background<W, L> {
             // A slice of admission may outlast a tick: all that the line takes goes out before it, or samples
             // are lost.
             for _ in 0..MESSAGES {
+                self.line.listen(&mut self.receiver);
                 if !put_next(&mut self.service, &mut self.line, &mut self.replied) {
                     break;
                 }

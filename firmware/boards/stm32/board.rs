@@ -7,7 +7,7 @@ use crate::parts::Ports;
 use crate::pins::{AnyInput, AnyOutput, Inverted, PortInput, PortOutput};
 use trirrr_app::pins::NoPin;
 
-/// Names the interrupt of the line's port `LINE`: a task is bound to an interrupt by its name alone.
+/// Names the interrupt of the line's DMA `LINE`: a task is bound to an interrupt by its name alone.
 macro_rules! line_interrupt {
     ($interrupt:ident) => {
         /// The device as RTIC sees it.

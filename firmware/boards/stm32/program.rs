@@ -5,7 +5,7 @@
 //! | above all | NMI, PVD | the crystal has stopped, the supply sags: outputs off, start anew; in images of an STM32F405 with drives or a tool |
 //! | highest | that of the CAN controller | a frame from a drive into its queue, in images for drives on the bus; not a task |
 //! | 4 | TIM7 | a slot of the step pulses, in images for steppers; a sample of the loops, in images for amplifiers |
-//! | 3 | LINE, that of the line's port | a byte from the line into its queue |
+//! | 3 | LINE, that of the DMA of the line's receiver | a round of its ring is full |
 //! | 2 | SysTick | the tick |
 //! | none | | the background |
 
@@ -22,14 +22,14 @@ mod app {
     use crate::drives::{self, DriveTimer};
     #[cfg(interlocks)]
     use crate::interlocks::{self, GuardedSwitches as Switches};
+    use crate::line::{LineReceiver, LineTransmitter};
     use crate::parts::{self, Watchdog};
-    use crate::serial::{self, LineReceiver, LineTransmitter, LogTransmitter};
+    use crate::serial::{self, LogTransmitter};
     use crate::switches;
     #[cfg(not(interlocks))]
     use crate::switches::Switches;
-    use embedded_hal_nb::serial::Read;
-    use heapless::spsc::{Producer, Queue};
-    use trirrr_app::RECEIVED;
+    #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
+    use heapless::spsc::Queue;
     use trirrr_app::{Background, Channels, Tick, TickClock, period};
     use trirrr_protocol::message::{Board, Clock};
 
@@ -55,24 +55,20 @@ mod app {
 
     #[local]
     struct Local {
-        receiver: LineReceiver,
-        received: Producer<'static, u8>,
         tick: Tick<Switches, Outputs>,
         timer: DriveTimer,
-        background: Background<LineTransmitter, LogTransmitter>,
+        background: Background<LineTransmitter, LogTransmitter, LineReceiver>,
         watchdog: Watchdog,
     }
 
     #[init(local = [
         channels: Channels = Channels::new(),
-        bytes: Queue<u8, RECEIVED> = Queue::new(),
         #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
         inbox: Inbox = Queue::new(),
     ])]
     fn init(context: init::Context) -> (Shared, Local) {
         let init::LocalResources {
             channels,
-            bytes,
             #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
             inbox,
             ..
@@ -140,14 +136,11 @@ mod app {
             (pins.limit_1, pins.limit_2, pins.limit_3),
         );
         let watchdog = chip.watchdog.start();
-        let (received, bytes) = bytes.split();
         let clock = TickClock::start(context.core.SYST, period);
         let local = Local {
-            receiver,
-            received,
             tick: Tick::new(foreground, &board, inputs, outputs, clock),
             timer,
-            background: Background::new(background, bytes, line, log),
+            background: Background::new(background, receiver, line, log),
             watchdog,
         };
         (Shared {}, local)
@@ -161,14 +154,10 @@ mod app {
         context.local.timer.run();
     }
 
-    /// Moves a byte from the line into its queue. Above the tick: the receiver holds one byte, and at
-    /// 921,600 baud the next comes 1,822 cycles later, less than a tick may take.
-    #[task(binds = LINE, priority = 3, local = [receiver, received])]
-    fn line(context: line::Context) {
-        // A damaged byte, or one without room, damages its frame, which the host repeats.
-        if let Ok(byte) = context.local.receiver.read() {
-            let _ = context.local.received.enqueue(byte);
-        }
+    /// Counts a round of the line's ring. Above the tick: two rounds must not become one while a tick lasts.
+    #[task(binds = LINE, priority = 3)]
+    fn round(_: round::Context) {
+        crate::line::count_round();
     }
 
     #[task(binds = SysTick, priority = 2, local = [tick])]

@@ -1,5 +1,6 @@
 //! Drivers by the registers of `stm32-metapac`, which has one set of names for all STM32s.
 
+pub(crate) mod dma;
 pub(crate) mod drives;
 pub(crate) mod gpio;
 pub(crate) mod serial;

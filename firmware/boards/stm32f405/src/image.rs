@@ -8,6 +8,8 @@ mod clock;
 #[cfg(target_os = "none")]
 mod dividers;
 #[cfg(target_os = "none")]
+mod dma;
+#[cfg(target_os = "none")]
 mod drives;
 #[cfg(target_os = "none")]
 mod gpio;

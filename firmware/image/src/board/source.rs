@@ -239,7 +239,8 @@ mod tests {
         let text = of("feather-f405", |text| text, &steppers());
         for part in [
             "pub(crate) type LinePort = USART3;",
-            "line_interrupt!(USART3);",
+            "line_interrupt!(DMA1_STREAM1);",
+            "pub(crate) const LINE_TRANSMIT_STREAM: usize = 3;",
             "pub(crate) type LogPort = USART1;",
             "divider: 12, factor: 336",
             "step_1: c.pc2,",
@@ -257,7 +258,8 @@ mod tests {
         let text = of("nucleo-g474re", |text| text, &needs);
         for part in [
             "divider: 6, factor: 85",
-            "line_interrupt!(USART2);",
+            "line_interrupt!(DMA1_CHANNEL1);",
+            "pub(crate) const LINE_TRANSMIT_REQUEST: u8 = 27;",
             "pub(crate) type CanReceive = Pin<'A', 11>;",
             "can_transmit: Pin::of_its_port(),",
             "ports.switch_on('A', rcc);",

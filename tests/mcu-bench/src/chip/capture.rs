@@ -102,7 +102,10 @@ mod tests {
         assert_eq!(status(&mut timer, 8 * MICROSECOND - 1), Some(0));
         assert_eq!(status(&mut timer, 8 * MICROSECOND), Some(CAPTURED));
         assert_eq!(timer.read(0x34, 9 * MICROSECOND, clock, input), Some(128));
-        assert_eq!(status(&mut timer, 24 * MICROSECOND), Some(CAPTURED | MISSED));
+        assert_eq!(
+            status(&mut timer, 24 * MICROSECOND),
+            Some(CAPTURED | MISSED)
+        );
         assert_eq!(timer.read(0x34, 24 * MICROSECOND, clock, input), Some(384));
         assert_eq!(timer.read(0x34, 99 * MICROSECOND, clock, None), Some(384));
     }

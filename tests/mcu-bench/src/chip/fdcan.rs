@@ -94,7 +94,8 @@ impl FdCan {
 
     /// Returns the rates of bits outside and in the data for a clock of this period, Hz.
     fn bit_rates_hz(&self, clock: Time) -> [f64; 2] {
-        let field = |word: u32, bit: u32, bits: u32| Time::from(word >> bit & ((1 << bits) - 1)) + 1;
+        let field =
+            |word: u32, bit: u32, bits: u32| Time::from(word >> bit & ((1 << bits) - 1)) + 1;
         let (nominal, data) = (self.nominal, self.data);
         let quanta = 1 + field(nominal, 8, 8) + field(nominal, 0, 7);
         let quanta_of_data = 1 + field(data, 8, 5) + field(data, 4, 4);
@@ -175,7 +176,10 @@ impl FdCan {
         if head & 1 << 29 != 0 {
             return WireFrame::new_remote(id, length.min(8));
         }
-        let bytes: Vec<u8> = words[2..].iter().flat_map(|word| word.to_le_bytes()).collect();
+        let bytes: Vec<u8> = words[2..]
+            .iter()
+            .flat_map(|word| word.to_le_bytes())
+            .collect();
         let length = if is_flexible { length } else { length.min(8) };
         WireFrame::new(id, &bytes[..length])
     }
@@ -253,7 +257,11 @@ impl FdCan {
             Id::Standard(id) => u32::from(id.as_raw()) << 18,
             Id::Extended(id) => id.as_raw() | 1 << 30,
         };
-        let flexible = if self.control & FLEXIBLE != 0 { 0b11 << 20 } else { 0 };
+        let flexible = if self.control & FLEXIBLE != 0 {
+            0b11 << 20
+        } else {
+            0
+        };
         let code = length_code(frame.dlc()).unwrap_or(0);
         let words = &mut self.ram[place..place + FRAME];
         words[0] = head | u32::from(frame.is_remote_frame()) << 29;
@@ -272,7 +280,10 @@ impl FdCan {
 
     pub(crate) fn read(&self, offset: u32) -> Option<u32> {
         let flag = |is: bool, bit: u32| u32::from(is) << bit;
-        let pending = self.requested.iter().fold(0, |bits, buffer| bits | 1 << buffer);
+        let pending = self
+            .requested
+            .iter()
+            .fold(0, |bits, buffer| bits | 1 << buffer);
         Some(match offset {
             0x0C => self.data,
             0x18 => self.control,
@@ -289,7 +300,10 @@ impl FdCan {
             0x80 => self.filter_control,
             0x90 => {
                 let (filled, first) = (self.filled as u32, self.first as u32);
-                filled | first << 8 | flag(self.filled == PLACES, 24) | flag(self.flags & LOST != 0, 25)
+                filled
+                    | first << 8
+                    | flag(self.filled == PLACES, 24)
+                    | flag(self.flags & LOST != 0, 25)
             }
             0xC0 => 0,
             0xC4 => {
@@ -407,7 +421,10 @@ mod tests {
         }
         assert_eq!(can.read(0x90), Some(1));
         assert_eq!(can.read_ram(4 * FIFO as u32), Some(1 << 30 | 0x900));
-        assert_eq!(can.read_ram(4 * FIFO as u32 + 4), Some(12 << 16 | 0b11 << 20));
+        assert_eq!(
+            can.read_ram(4 * FIFO as u32 + 4),
+            Some(12 << 16 | 0b11 << 20)
+        );
         assert_eq!(can.flags, NEW);
         assert!(can.write(0x94, 0, 0, 6, false));
         assert_eq!(can.read(0x90), Some(1 << 8));

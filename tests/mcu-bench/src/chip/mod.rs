@@ -5,9 +5,11 @@
 mod bxcan;
 mod capture;
 mod clock;
+mod dma;
 mod fdcan;
 mod g474;
 mod interrupts;
+mod memory;
 mod port;
 mod serial;
 mod supply;
@@ -16,6 +18,7 @@ mod watchdog;
 
 pub(crate) use clock::{ClockControl, Clocks, Crystal, ResetCause};
 pub(crate) use interrupts::{HARD_FAULT, Interrupts, NMI, SYS_TICK};
+pub(crate) use memory::{RAM, RAM_BYTES};
 pub(crate) use port::{Mode, Port};
 pub(crate) use serial::Serial;
 
@@ -25,8 +28,9 @@ use crate::time::Time;
 use crate::trace::{Level, Pin, Trace};
 use crate::wiring;
 use bxcan::BxCan;
-use fdcan::FdCan;
 use capture::CrystalCapture;
+use dma::Dma;
+use fdcan::FdCan;
 use interrupts::Effect;
 use std::collections::{BTreeMap, BTreeSet};
 use supply::Supply;
@@ -118,6 +122,7 @@ pub(crate) struct Chip {
     ports: [Port; 5],
     timers: Vec<Timer>,
     serials: [Serial; 2],
+    pub(crate) dma: Dma,
     pub(crate) watchdog: Watchdog,
     capture: CrystalCapture,
     /// Machine behind amplifiers and encoders, with the level at which they are on.
@@ -154,6 +159,7 @@ impl Chip {
             ports: PORTS.map(port),
             timers: TIMERS.iter().map(|timer| Timer::new(timer.4)).collect(),
             serials: [Serial::default(), Serial::default()],
+            dma: Dma::new(kind),
             watchdog: Watchdog::new(oscillator_hz),
             capture: CrystalCapture::default(),
             rotors: None,
@@ -184,6 +190,7 @@ impl Chip {
         for serial in &mut self.serials {
             serial.reset();
         }
+        self.dma.reset();
         self.watchdog.reset();
         self.capture = CrystalCapture::default();
         self.can = BxCan::new();
@@ -267,11 +274,16 @@ impl Chip {
         for index in 0..self.timers.len() {
             self.advance_timer(index);
         }
-        for serial in &mut self.serials {
-            serial.advance(self.now, self.clocks.apb1);
-        }
+        self.advance_serials();
         self.advance_can();
         self.set_lines();
+    }
+
+    fn advance_serials(&mut self) {
+        for (index, serial) in self.serials.iter_mut().enumerate() {
+            serial.serve(self.now, self.clocks.apb1, &mut self.dma.path(index));
+        }
+        self.unknown.extend(self.dma.faults.drain(..));
     }
 
     fn advance_can(&mut self) {
@@ -334,6 +346,7 @@ impl Chip {
         for (serial, (_, interrupt)) in self.serials.iter().zip(SERIALS) {
             self.interrupts.set_line(interrupt, serial.interrupts());
         }
+        self.dma.set_lines(&mut self.interrupts);
     }
 
     /// Returns the time of the next event that the processor has to see.
@@ -422,6 +435,7 @@ impl Chip {
                 self.timers[index].read(offset, now)
             }
             Place::Serial(index, offset) => {
+                self.advance_serials();
                 let read = self.serials[index].read(offset, now, apb1);
                 self.set_lines();
                 read
@@ -447,9 +461,18 @@ impl Chip {
             Place::MessageRam(offset) => self.fd_can.read_ram(offset),
             Place::OtherClock(offset) => g474::read_clock(&self.clock, &self.held, offset, now),
             Place::OtherSerial(index, offset) => {
+                self.advance_serials();
                 let read = g474::read_serial(&mut self.serials[index], offset, now, apb1);
                 self.set_lines();
                 read
+            }
+            Place::Stream(offset) => {
+                self.advance_serials();
+                self.dma.read_stream(offset)
+            }
+            Place::Channel(offset) => {
+                self.advance_serials();
+                self.dma.read_channel(offset)
             }
             Place::Supply(offset) => self.supply.read(offset),
             Place::Lines(offset) => self.supply.read_line(offset),
@@ -502,7 +525,10 @@ impl Chip {
                 self.show_channels(TIMERS[index].0);
                 known
             }
-            Place::Serial(index, offset) => self.serials[index].write(offset, value, now, apb1),
+            Place::Serial(index, offset) => {
+                self.advance_serials();
+                self.serials[index].write(offset, value, now, apb1)
+            }
             Place::Watchdog(offset) => self.watchdog.write(offset, value, now),
             Place::Capture(offset) => self.capture.write(offset, value, now),
             Place::Can(offset) => {
@@ -527,7 +553,16 @@ impl Chip {
                 known
             }
             Place::OtherSerial(index, offset) => {
+                self.advance_serials();
                 g474::write_serial(&mut self.serials[index], offset, value, now, apb1)
+            }
+            Place::Stream(offset) => {
+                self.advance_serials();
+                self.dma.write_stream(offset, value)
+            }
+            Place::Channel(offset) => {
+                self.advance_serials();
+                self.dma.write_channel(offset, value)
             }
             Place::Supply(offset) => self.supply.write(offset, value),
             Place::Lines(offset) => self.supply.write_line(offset, value),
@@ -537,6 +572,8 @@ impl Chip {
             }
             Place::Identity | Place::Unknown => false,
         };
+        // What was set up moves its first byte at once.
+        self.advance_serials();
         if !known {
             self.unknown.insert(format!("write of {address:#010x}"));
         }
@@ -607,6 +644,9 @@ impl Chip {
                 return Place::Serial(index, offset);
             }
         }
+        if let Some(offset) = within(0x4002_6000, 0x800) {
+            return Place::Stream(offset);
+        }
         let others: [(u32, fn(u32) -> Place); 4] = [
             (0x4000_6400, Place::Can),
             (0x4001_4800, Place::Capture),
@@ -651,6 +691,8 @@ enum Place {
     MessageRam(u32),
     OtherClock(u32),
     OtherSerial(usize, u32),
+    Stream(u32),
+    Channel(u32),
     Supply(u32),
     Lines(u32),
     Identity,

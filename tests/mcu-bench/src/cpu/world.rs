@@ -1,7 +1,7 @@
 //! Memories, registers and hooks of the CPU emulator.
 
-use super::{CYCLES_PER_INSTRUCTION, FLASH, FLASH_BYTES, RAM, RAM_BYTES};
-use crate::chip::Chip;
+use super::{CYCLES_PER_INSTRUCTION, FLASH, FLASH_BYTES};
+use crate::chip::{Chip, RAM, RAM_BYTES};
 use crate::time::Time;
 use unicorn_engine::{HookType, Prot, Unicorn};
 
@@ -66,7 +66,9 @@ impl World {
 /// Maps memories and registers, and sets the hooks.
 pub(super) fn set_up(uc: &mut Unicorn<'static, World>) -> Result<(), unicorn_engine::uc_error> {
     uc.mem_map(FLASH, FLASH_BYTES, Prot::READ | Prot::EXEC)?;
-    uc.mem_map(RAM, RAM_BYTES, Prot::READ | Prot::WRITE)?;
+    let ram = uc.get_data().chip.dma.memory.pointer();
+    // SAFETY: the chip keeps its memory, which never moves, as long as the emulator has the chip.
+    unsafe { uc.mem_map_ptr(RAM, RAM_BYTES, Prot::READ | Prot::WRITE, ram)? };
     let flash = uc.get_data().flash.clone();
     uc.mem_write(FLASH, &flash)?;
     for (start, bytes) in REGISTERS {

@@ -23,6 +23,34 @@ fn port(pin: &WiredPin) -> char {
     pin.place.0.chars().last().unwrap_or_default()
 }
 
+/// The line's DMA: its interrupt is that at the end of the receiver's stream.
+fn line_dma(port: &SerialPort, has_hal: bool) -> String {
+    let Some(dma) = &port.dma else {
+        return String::new();
+    };
+    let (controller, [receive, transmit]) = (dma.controller, dma.streams);
+    let mut text = match has_hal {
+        true => format!(
+            "line_interrupt!(DMA{controller}_STREAM{receive});\n\
+             pub(crate) type LineController = stm32f4xx_hal::pac::DMA{controller};\n"
+        ),
+        false => format!(
+            "line_interrupt!(DMA{controller}_CHANNEL{receive});\n\
+             pub(crate) const LINE_CONTROLLER: stm32_metapac::bdma::Dma = stm32_metapac::DMA{controller};\n"
+        ),
+    };
+    for (name, stream, request) in [
+        ("RECEIVE", receive, dma.requests[0]),
+        ("TRANSMIT", transmit, dma.requests[1]),
+    ] {
+        text += &format!(
+            "pub(crate) const LINE_{name}_STREAM: usize = {stream};\n\
+             pub(crate) const LINE_{name}_REQUEST: u8 = {request};\n"
+        );
+    }
+    text
+}
+
 /// The port of an STM32F405 on APB2, which is twice as fast as the bus of the others.
 fn is_on_fast_bus(port: &SerialPort) -> bool {
     matches!(port.name, "usart1" | "usart6")
@@ -46,10 +74,10 @@ pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
     let mut text = format!(
         "use crate::gpio::Pin;\n\
          use crate::parts::Rcc;\n\
-         pub(crate) const PLL: crate::clock::Pll = crate::clock::Pll {{ divider: {}, factor: {} }};\n\
-         line_interrupt!({line});\n",
+         pub(crate) const PLL: crate::clock::Pll = crate::clock::Pll {{ divider: {}, factor: {} }};\n",
         board.pll.divider, board.pll.factor,
     );
+    text += &line_dma(board.line, has_hal);
     text += &match has_hal {
         true => format!(
             "use stm32f4xx_hal::gpio::GpioExt as _;\n\
