@@ -91,6 +91,7 @@ impl Line {
     }
 
     /// Hands bytes to the hardware until it would have to wait.
+    #[inline(never)]
     pub(crate) fn send(&mut self, transmitter: &mut impl Write<u8>) {
         while let Some(&byte) = self
             .frame

@@ -60,6 +60,7 @@ pub(crate) struct LineReceiver {
 
 impl LineReceiver {
     /// Returns the number of bytes that have come, modulo 2^32.
+    #[inline(never)]
     fn look() -> u32 {
         loop {
             let rounds = ROUNDS.load(Ordering::Acquire);
@@ -76,6 +77,7 @@ impl LineReceiver {
 }
 
 impl ReceivedBytes for LineReceiver {
+    #[inline(never)]
     fn next_byte(&mut self) -> Option<u8> {
         if self.come == self.read {
             self.come = Self::look();
@@ -111,6 +113,7 @@ pub(crate) struct LineTransmitter {
 
 impl LineTransmitter {
     /// Hands the next bytes to the DMA if it has sent those before: up to the ring's end, from where the next start goes on.
+    #[inline(never)]
     fn go_on(&mut self) {
         if dma::is_sending() {
             return;
@@ -136,6 +139,7 @@ impl ErrorType for LineTransmitter {
 }
 
 impl Write<u8> for LineTransmitter {
+    #[inline(never)]
     fn write(&mut self, byte: u8) -> nb::Result<(), Infallible> {
         if self.is_full() {
             self.go_on();
