@@ -52,15 +52,25 @@ impl<W: Write<u8>, L: Write<u8>, R: ReceivedBytes> Background<W, L, R> {
             // A slice of admission may outlast a tick: all that the line takes goes out before it, or samples
             // are lost.
             for _ in 0..MESSAGES {
-                self.line.listen(&mut self.receiver);
-                if !put_next(&mut self.service, &mut self.line, &mut self.replied) {
+                if !self.converse() {
                     break;
                 }
-                self.line.send(&mut self.transmitter);
             }
             step(&mut self.service);
             log::drain(&mut self.log);
         }
+    }
+
+    /// Takes what has come, and puts the next message on the line. Returns `true` if there was one.
+    // A call: the loop around it would be unrolled.
+    #[inline(never)]
+    fn converse(&mut self) -> bool {
+        self.line.listen(&mut self.receiver);
+        let has_put = put_next(&mut self.service, &mut self.line, &mut self.replied);
+        if has_put {
+            self.line.send(&mut self.transmitter);
+        }
+        has_put
     }
 }
 

@@ -99,11 +99,11 @@ impl Line {
             .and_then(<[u8]>::first)
         {
             if transmitter.write(byte).is_err() {
-                return;
+                break;
             }
             self.sent += 1;
         }
-        // A transmitter with a buffer begins now, or goes on.
+        // A transmitter with a buffer begins now.
         let _ = transmitter.flush();
     }
 }

@@ -1,39 +1,35 @@
-//! Line: bytes by DMA, through a ring in each direction.
+//! Line: bytes by DMA, in both directions.
 //!
 //! The receiver's DMA fills its ring round after round. An interrupt counts the rounds, so the number of bytes that have come is exact at any time,
 //! and a background that was late by a round knows how many it has missed. It looks at that number in each of its turns, and needs
-//! no interrupt at a byte, nor where the line falls idle. The transmitter's DMA takes what lies in its ring, and the background starts it anew.
+//! no interrupt at a byte, nor where the line falls idle. The transmitter's DMA sends what the background has put beside each other, a frame, while that makes the next one.
 
 use crate::dma;
 use crate::parts::Rcc;
 use core::convert::Infallible;
-use core::sync::atomic::{AtomicU8, AtomicU32, Ordering};
+use core::sync::atomic::{AtomicU8, AtomicU32, Ordering, compiler_fence};
 use embedded_hal_nb::serial::{ErrorType, Write};
 use trirrr_app::{RECEIVED, ReceivedBytes};
 
 /// Bytes that a DMA and the background share.
-pub(crate) type Ring = [AtomicU8; ROOM];
+pub(crate) type SharedBytes = [AtomicU8; ROOM];
 
-/// Places of each ring, bytes. The size of a round divides the 2^32 at which counts begin anew.
+/// Places in each direction, bytes. The size of a round divides the 2^32 at which counts begin anew.
 const ROOM: usize = RECEIVED.next_power_of_two();
 
 /// The same as a count.
 pub(crate) const ROUND: u32 = ROOM as u32;
 
-static COMING: Ring = [const { AtomicU8::new(0) }; ROOM];
-static LEAVING: Ring = [const { AtomicU8::new(0) }; ROOM];
+static COMING: SharedBytes = [const { AtomicU8::new(0) }; ROOM];
+static LEAVING: SharedBytes = [const { AtomicU8::new(0) }; ROOM];
 
 /// Rounds that the receiver's DMA has ended, modulo 2^32.
 static ROUNDS: AtomicU32 = AtomicU32::new(0);
 
 /// Starts the DMA of the port whose data registers, of receiver and transmitter, are at these addresses.
 pub(crate) fn start(data: [u32; 2], rcc: &mut Rcc) -> (LineTransmitter, LineReceiver) {
-    dma::start(&COMING, data, rcc);
-    let transmitter = LineTransmitter {
-        written: 0,
-        sent: 0,
-        under_way: 0,
-    };
+    dma::start([&COMING, &LEAVING], data, rcc);
+    let transmitter = LineTransmitter { waiting: 0 };
     let receiver = LineReceiver {
         come: 0,
         read: 0,
@@ -47,7 +43,12 @@ pub(crate) fn start(data: [u32; 2], rcc: &mut Rcc) -> (LineTransmitter, LineRece
 pub(crate) fn count_round() {
     dma::clear_round();
     let rounds = ROUNDS.load(Ordering::Relaxed);
-    ROUNDS.store(rounds.wrapping_add(1), Ordering::Release);
+    ROUNDS.store(rounds.wrapping_add(1), Ordering::Relaxed);
+}
+
+/// Keeps accesses before it from those behind it. The core itself leaves them in order.
+fn in_order() {
+    compiler_fence(Ordering::SeqCst);
 }
 
 /// Receiver of the line.
@@ -62,17 +63,30 @@ impl LineReceiver {
     /// Returns the number of bytes that have come, modulo 2^32.
     #[inline(never)]
     fn look() -> u32 {
-        loop {
-            let rounds = ROUNDS.load(Ordering::Acquire);
-            let left = dma::left(&COMING);
+        while dma::is_there() {
+            let rounds = ROUNDS.load(Ordering::Relaxed);
+            in_order();
+            let left = dma::left();
             // A round that ends meanwhile belongs to one of both numbers, and it is not known to which.
-            if !dma::is_round_over() && ROUNDS.load(Ordering::Acquire) == rounds {
+            let is_over = dma::is_round_over();
+            in_order();
+            if !is_over && ROUNDS.load(Ordering::Relaxed) == rounds {
                 return rounds
+                    .wrapping_add(1)
                     .wrapping_mul(ROUND)
-                    .wrapping_add(ROUND)
                     .wrapping_sub(left);
             }
         }
+        // In an emulator nobody moves bytes but this function, one at a time, and bytes are counted for rounds.
+        let come = ROUNDS.load(Ordering::Relaxed);
+        let Some(byte) = dma::byte_without() else {
+            return come;
+        };
+        if let Some(place) = COMING.get(come as usize % ROOM) {
+            place.store(byte, Ordering::Relaxed);
+        }
+        ROUNDS.store(come.wrapping_add(1), Ordering::Relaxed);
+        come.wrapping_add(1)
     }
 }
 
@@ -87,7 +101,8 @@ impl ReceivedBytes for LineReceiver {
         }
         let byte = COMING
             .get(self.read as usize % ROOM)
-            .map(|place| place.load(Ordering::Acquire));
+            .map(|place| place.load(Ordering::Relaxed));
+        in_order();
         // Only now it is known that nothing was written over it.
         self.come = Self::look();
         let waiting = self.come.wrapping_sub(self.read);
@@ -103,35 +118,10 @@ impl ReceivedBytes for LineReceiver {
     }
 }
 
-/// Transmitter of the line.
+/// Transmitter of the line: bytes are put beside each other, and leave together when they are flushed.
 pub(crate) struct LineTransmitter {
-    /// Bytes that were put into the ring, bytes that have left, modulo 2^32, and those with the DMA.
-    written: u32,
-    sent: u32,
-    under_way: u32,
-}
-
-impl LineTransmitter {
-    /// Hands the next bytes to the DMA if it has sent those before: up to the ring's end, from where the next start goes on.
-    #[inline(never)]
-    fn go_on(&mut self) {
-        if dma::is_sending() {
-            return;
-        }
-        self.sent = self.sent.wrapping_add(self.under_way);
-        let from = self.sent as usize % ROOM;
-        self.under_way = self
-            .written
-            .wrapping_sub(self.sent)
-            .min(ROUND - from as u32);
-        if self.under_way > 0 {
-            dma::send(LEAVING.get(from..).unwrap_or(&[]), self.under_way);
-        }
-    }
-
-    fn is_full(&self) -> bool {
-        self.written.wrapping_sub(self.sent) >= ROUND
-    }
+    /// Bytes that wait for it. None while others are being sent.
+    waiting: usize,
 }
 
 impl ErrorType for LineTransmitter {
@@ -139,26 +129,31 @@ impl ErrorType for LineTransmitter {
 }
 
 impl Write<u8> for LineTransmitter {
+    // A call: the loop around it would be unrolled.
     #[inline(never)]
     fn write(&mut self, byte: u8) -> nb::Result<(), Infallible> {
-        if self.is_full() {
-            self.go_on();
-            if self.is_full() {
-                return Err(nb::Error::WouldBlock);
+        if !dma::is_there() {
+            dma::put_without(byte);
+            return Ok(());
+        }
+        match LEAVING.get(self.waiting) {
+            Some(place) if !dma::is_sending() => {
+                place.store(byte, Ordering::Relaxed);
+                self.waiting += 1;
+                Ok(())
             }
+            _ => Err(nb::Error::WouldBlock),
         }
-        if let Some(place) = LEAVING.get(self.written as usize % ROOM) {
-            place.store(byte, Ordering::Relaxed);
-        }
-        self.written = self.written.wrapping_add(1);
-        Ok(())
     }
 
     fn flush(&mut self) -> nb::Result<(), Infallible> {
-        self.go_on();
-        match self.written == self.sent {
-            true => Ok(()),
-            false => Err(nb::Error::WouldBlock),
+        if let Some(bytes @ [_, ..]) = LEAVING.get(..self.waiting) {
+            dma::send(bytes);
+            self.waiting = 0;
+        }
+        match dma::is_sending() {
+            true => Err(nb::Error::WouldBlock),
+            false => Ok(()),
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::board::{
     LINE_CONTROLLER, LINE_RECEIVE_REQUEST, LINE_RECEIVE_STREAM, LINE_TRANSMIT_REQUEST,
     LINE_TRANSMIT_STREAM,
 };
-use crate::line::{ROUND, Ring};
+use crate::line::{ROUND, SharedBytes};
 use crate::parts::Rcc;
 use core::sync::atomic::{AtomicU8, Ordering, fence};
 use stm32_metapac::bdma::vals::Dir;
@@ -23,8 +23,9 @@ const fn transmitter() -> Ch {
     LINE_CONTROLLER.ch(TRANSMIT)
 }
 
-/// Starts to receive into `ring`, and sets the transmitter up. `data` are the addresses of the port's data, of receiver and transmitter.
-pub(crate) fn start(ring: &'static Ring, data: [u32; 2], _: &mut Rcc) {
+/// Starts to receive into the first of `memories`, and sets the transmitter up to send from the second. `data` are the addresses of the port's
+/// data, of receiver and transmitter.
+pub(crate) fn start(memories: [&'static SharedBytes; 2], data: [u32; 2], _: &mut Rcc) {
     RCC.ahb1enr().modify(|w| {
         w.set_dma1en(true);
         w.set_dmamux1en(true);
@@ -36,10 +37,14 @@ pub(crate) fn start(ring: &'static Ring, data: [u32; 2], _: &mut Rcc) {
     ] {
         DMAMUX1.ccr(channel).write(|w| w.set_dmareq_id(request));
     }
-    let [from, to] = data;
-    transmitter().par().write_value(to);
-    receiver().par().write_value(from);
-    receiver().mar().write_value(ring.as_ptr() as u32);
+    for ((channel, data), memory) in [receiver(), transmitter()]
+        .into_iter()
+        .zip(data)
+        .zip(memories)
+    {
+        channel.par().write_value(data);
+        channel.mar().write_value(memory.as_ptr() as u32);
+    }
     receiver().ndtr().write(|w| w.set_ndt(ROUND as u16));
     receiver().cr().write(|w| {
         w.set_minc(true);
@@ -49,8 +54,21 @@ pub(crate) fn start(ring: &'static Ring, data: [u32; 2], _: &mut Rcc) {
     });
 }
 
+/// Returns true: no emulator of this chip is without.
+pub(crate) const fn is_there() -> bool {
+    true
+}
+
+/// Takes no byte: the DMA does.
+pub(crate) const fn byte_without() -> Option<u8> {
+    None
+}
+
+/// Gives no byte to the port: the DMA does.
+pub(crate) const fn put_without(_: u8) {}
+
 /// Returns the number of bytes that the round under way still takes.
-pub(crate) fn left(_: &Ring) -> u32 {
+pub(crate) fn left() -> u32 {
     receiver().ndtr().read().ndt().into()
 }
 
@@ -70,12 +88,13 @@ pub(crate) fn is_sending() -> bool {
     transmitter().ndtr().read().ndt() != 0
 }
 
-/// Sends the first `count` bytes. Only while nothing [is being sent](is_sending).
-pub(crate) fn send(bytes: &'static [AtomicU8], count: u32) {
-    // It stays on at its end, and takes settings only while it is off.
+/// Sends `bytes`, from the beginning of the memory of the [start]. Only while nothing [is being sent](is_sending).
+pub(crate) fn send(bytes: &'static [AtomicU8]) {
+    // It stays on at its end, and takes a number only while it is off.
     transmitter().cr().write_value(regs::Cr(0));
-    transmitter().mar().write_value(bytes.as_ptr() as u32);
-    transmitter().ndtr().write(|w| w.set_ndt(count as u16));
+    transmitter()
+        .ndtr()
+        .write(|w| w.set_ndt(bytes.len() as u16));
     // The bytes are in the memory before the DMA looks.
     fence(Ordering::Release);
     transmitter().cr().write(|w| {

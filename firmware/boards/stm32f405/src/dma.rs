@@ -1,15 +1,15 @@
 //! DMA of the line's port, a stream for each direction (RM0090, chapter 10).
 //!
-//! An emulator has no DMA: its registers read 0 whatever is written. There these functions move the bytes, one in each look of the background.
+//! An emulator has none: there the background moves the bytes.
 #![allow(unsafe_code)]
 
 use crate::board::{
     LINE_RECEIVE_REQUEST, LINE_RECEIVE_STREAM, LINE_TRANSMIT_REQUEST, LINE_TRANSMIT_STREAM,
     LineController, LinePort,
 };
-use crate::line::{ROUND, Ring, count_round};
+use crate::line::{ROUND, SharedBytes};
 use crate::parts::Rcc;
-use core::sync::atomic::{AtomicU8, AtomicU32, Ordering, fence};
+use core::sync::atomic::{AtomicU8, Ordering, fence};
 use stm32f4xx_hal::pac::{dma2, usart1};
 use stm32f4xx_hal::rcc::Enable;
 
@@ -55,41 +55,46 @@ fn clear(stream: usize, flags: u32) {
     }
 }
 
-/// Address of the first byte.
-fn address(bytes: &'static [AtomicU8]) -> u32 {
-    bytes.as_ptr() as u32
-}
-
-/// Starts to receive into `ring`, and sets the transmitter up. `data` are the addresses of the port's data, of receiver and transmitter.
-pub(crate) fn start(ring: &'static Ring, data: [u32; 2], rcc: &mut Rcc) {
+/// Starts to receive into the first of `memories`, and sets the transmitter up to send from the second. `data` are the addresses of the port's
+/// data, of receiver and transmitter.
+pub(crate) fn start(memories: [&'static SharedBytes; 2], data: [u32; 2], rcc: &mut Rcc) {
     LineController::enable(rcc);
     let streams = [
         (LINE_RECEIVE_STREAM, RECEIVES),
         (LINE_TRANSMIT_STREAM, TRANSMITS),
     ];
-    for ((stream, settings), data) in streams.into_iter().zip(data) {
+    for (((stream, settings), data), memory) in streams.into_iter().zip(data).zip(memories) {
         let stream = controller().st(stream);
-        // SAFETY: the stream is off, as after a reset, and the address is that of the port.
+        // SAFETY: the stream is off, as after a reset; the address is that of the port; the bytes are atomic, and as many as a round.
         unsafe {
             stream.par().write(|w| w.bits(data));
+            stream.m0ar().write(|w| w.bits(memory.as_ptr() as u32));
+            stream.ndtr().write(|w| w.bits(ROUND));
             stream.cr().write(|w| w.bits(settings));
         }
     }
-    let stream = controller().st(LINE_RECEIVE_STREAM);
-    // SAFETY: the DMA writes into a ring of atomic bytes, as many as it has.
+    switch_on(LINE_RECEIVE_STREAM, RECEIVES);
+}
+
+fn switch_on(stream: usize, settings: u32) {
+    // SAFETY: the settings of the start, which stay as they are.
     unsafe {
-        stream.m0ar().write(|w| w.bits(address(ring)));
-        stream.ndtr().write(|w| w.bits(ROUND));
-        stream.cr().write(|w| w.bits(RECEIVES | ON));
-    }
+        controller()
+            .st(stream)
+            .cr()
+            .write(|w| w.bits(settings | ON))
+    };
+}
+
+/// Returns false in an emulator, whose registers read 0 whatever is written.
+pub(crate) fn is_there() -> bool {
+    // It receives for ever.
+    controller().st(LINE_RECEIVE_STREAM).cr().read().bits() & ON != 0
 }
 
 /// Returns the number of bytes that the round under way still takes.
-pub(crate) fn left(ring: &'static Ring) -> u32 {
-    match controller().st(LINE_RECEIVE_STREAM).ndtr().read().bits() {
-        0 => left_without(ring),
-        left => left,
-    }
+pub(crate) fn left() -> u32 {
+    controller().st(LINE_RECEIVE_STREAM).ndtr().read().bits()
 }
 
 /// Returns true if a round is over that is not counted yet.
@@ -112,46 +117,24 @@ pub(crate) fn is_sending() -> bool {
     controller().st(LINE_TRANSMIT_STREAM).cr().read().bits() & ON != 0
 }
 
-/// Sends the first `count` bytes. Only while nothing [is being sent](is_sending).
-pub(crate) fn send(bytes: &'static [AtomicU8], count: u32) {
-    let stream = controller().st(LINE_TRANSMIT_STREAM);
+/// Sends `bytes`, from the beginning of the memory of the [start]. Only while nothing [is being sent](is_sending).
+pub(crate) fn send(bytes: &'static [AtomicU8]) {
     clear(LINE_TRANSMIT_STREAM, FLAGS);
-    // SAFETY: the stream is off, and only reads the bytes.
-    unsafe {
-        stream.m0ar().write(|w| w.bits(address(bytes)));
-        stream.ndtr().write(|w| w.bits(count));
-    }
-    if stream.ndtr().read().bits() == 0 {
-        return send_without(bytes, count);
-    }
+    let number = controller().st(LINE_TRANSMIT_STREAM).ndtr();
+    // SAFETY: the stream is off, and the bytes are no more.
+    unsafe { number.write(|w| w.bits(bytes.len() as u32)) };
     // The bytes are in the memory before the DMA looks.
     fence(Ordering::Release);
-    // SAFETY: the settings are those of the start.
-    unsafe { stream.cr().write(|w| w.bits(TRANSMITS | ON)) };
+    switch_on(LINE_TRANSMIT_STREAM, TRANSMITS);
 }
 
-/// Takes a byte from the port as the DMA would.
-fn left_without(ring: &Ring) -> u32 {
-    static TAKEN: AtomicU32 = AtomicU32::new(0);
-    let taken = TAKEN.load(Ordering::Relaxed);
-    if port().sr().read().rxne().bit_is_clear() {
-        return ROUND - taken;
-    }
-    if let Some(place) = ring.get(taken as usize) {
-        place.store(port().dr().read().bits() as u8, Ordering::Relaxed);
-    }
-    let taken = (taken + 1) % ROUND;
-    TAKEN.store(taken, Ordering::Relaxed);
-    if taken == 0 {
-        count_round();
-    }
-    ROUND - taken
+/// Takes a byte from the port, where no DMA does.
+pub(crate) fn byte_without() -> Option<u8> {
+    let has_come = port().sr().read().rxne().bit_is_set();
+    has_come.then(|| port().dr().read().bits() as u8)
 }
 
-/// Gives bytes to the port as the DMA would. The port of an emulator never has to wait.
-fn send_without(bytes: &[AtomicU8], count: u32) {
-    for byte in bytes.iter().take(count as usize) {
-        let byte = byte.load(Ordering::Relaxed);
-        port().dr().write(|w| w.dr().set(byte.into()));
-    }
+/// Gives a byte to the port, where no DMA does. That of an emulator never has to wait.
+pub(crate) fn put_without(byte: u8) {
+    port().dr().write(|w| w.dr().set(byte.into()));
 }

@@ -4,13 +4,16 @@ use crate::board::{LinePort, LineReceive, LineTransmit, LogPort, LogTransmit};
 use crate::clock::Clocks;
 use crate::dividers::set_bauds;
 use crate::line::{self, LineReceiver, LineTransmitter};
-use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::Rcc;
-use stm32f4xx_hal::serial::config::DmaConfig;
-use stm32f4xx_hal::serial::{Config, Serial, Tx};
+use core::convert::Infallible;
+use embedded_hal_nb::serial::{ErrorType, Write};
+use stm32f4xx_hal::gpio::PushPull;
+use stm32f4xx_hal::gpio::alt::SerialAsync;
+use stm32f4xx_hal::pac::usart1;
+use stm32f4xx_hal::rcc::{Enable, Rcc};
 use trirrr_app::{BAUD, LOG_BAUD};
 
-pub(crate) type LogTransmitter = Tx<LogPort>;
+/// Transmitter of the log.
+pub(crate) struct LogTransmitter(LogPort);
 
 /// Starts the ports of the line and of the log at their pins.
 pub(crate) fn start(
@@ -19,17 +22,47 @@ pub(crate) fn start(
     clocks: &Clocks,
     rcc: &mut Rcc,
 ) -> (LineTransmitter, LineReceiver, LogTransmitter) {
-    let settings = |baud: u32| Config::default().baudrate(baud.bps());
+    LinePort::enable(rcc);
+    LogPort::enable(rcc);
+    // At rest the line is high: without an adapter at the pin noise would be bytes.
+    let _: <LinePort as SerialAsync>::Rx<PushPull> = line.2.into_pull_up_input().into();
+    let _: <LinePort as SerialAsync>::Tx<PushPull> = line.1.into();
+    let _: <LogPort as SerialAsync>::Tx<PushPull> = log.1.into();
     // The first byte finds the DMA waiting.
     let data = line.0.dr().as_ptr() as u32;
     let (transmitter, receiver) = line::start([data, data], rcc);
-    // At rest the line is high: without an adapter at the pin noise would be bytes.
-    let pins = (line.1, line.2.into_pull_up_input());
-    let line = Serial::<LinePort, u8>::new(line.0, pins, settings(BAUD).dma(DmaConfig::TxRx), rcc);
-    let log = log.0.tx(log.1, settings(LOG_BAUD), rcc);
-    let (Ok(_), Ok(log)) = (line, log) else {
-        panic!("the slowest clock does not divide into the baud rates");
-    };
+    line.0.cr3().write(|w| {
+        w.dmar().enabled();
+        w.dmat().enabled()
+    });
     set_bauds(clocks, BAUD, LOG_BAUD);
-    (transmitter, receiver, log)
+    for port in [&line.0, &log.0] as [&usart1::RegisterBlock; 2] {
+        port.cr1().write(|w| {
+            w.te().enabled();
+            w.ue().enabled()
+        });
+    }
+    line.0.cr1().modify(|_, w| w.re().enabled());
+    (transmitter, receiver, LogTransmitter(log.0))
+}
+
+impl ErrorType for LogTransmitter {
+    type Error = Infallible;
+}
+
+impl Write<u8> for LogTransmitter {
+    fn write(&mut self, byte: u8) -> nb::Result<(), Infallible> {
+        if self.0.sr().read().txe().bit_is_clear() {
+            return Err(nb::Error::WouldBlock);
+        }
+        self.0.dr().write(|w| w.dr().set(byte.into()));
+        Ok(())
+    }
+
+    fn flush(&mut self) -> nb::Result<(), Infallible> {
+        match self.0.sr().read().tc().bit_is_set() {
+            true => Ok(()),
+            false => Err(nb::Error::WouldBlock),
+        }
+    }
 }
