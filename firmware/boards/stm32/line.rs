@@ -9,32 +9,34 @@ use crate::parts::Rcc;
 use core::convert::Infallible;
 use core::sync::atomic::{AtomicU8, AtomicU32, Ordering, compiler_fence};
 use embedded_hal_nb::serial::{ErrorType, Write};
-use trirrr_app::{RECEIVED, ReceivedBytes};
+use trirrr_app::ReceivedBytes;
 
 /// Bytes that a DMA and the background share.
-pub(crate) type SharedBytes = [AtomicU8; ROOM];
+pub(crate) type SharedBytes = [AtomicU8];
 
-/// Places in each direction, bytes. The size of a round divides the 2^32 at which counts begin anew.
-const ROOM: usize = RECEIVED.next_power_of_two();
+/// Places of the receiver, bytes. At 921,600 baud they last for 11 ms. The size of a round divides the 2^32 at which counts begin anew.
+const ROOM: usize = 1024;
 
 /// The same as a count.
 pub(crate) const ROUND: u32 = ROOM as u32;
 
-static COMING: SharedBytes = [const { AtomicU8::new(0) }; ROOM];
-static LEAVING: SharedBytes = [const { AtomicU8::new(0) }; ROOM];
+/// Places of the transmitter, bytes: most frames are shorter. The rest of a longer one follows.
+const FRAME: usize = 256;
+
+static COMING: [AtomicU8; ROOM] = [const { AtomicU8::new(0) }; ROOM];
+static LEAVING: [AtomicU8; FRAME] = [const { AtomicU8::new(0) }; FRAME];
 
 /// Rounds that the receiver's DMA has ended, modulo 2^32.
 static ROUNDS: AtomicU32 = AtomicU32::new(0);
+
+/// Bytes that were written over before the background took them, modulo 2^32.
+static MISSED: AtomicU32 = AtomicU32::new(0);
 
 /// Starts the DMA of the port whose data registers, of receiver and transmitter, are at these addresses.
 pub(crate) fn start(data: [u32; 2], rcc: &mut Rcc) -> (LineTransmitter, LineReceiver) {
     dma::start([&COMING, &LEAVING], data, rcc);
     let transmitter = LineTransmitter { waiting: 0 };
-    let receiver = LineReceiver {
-        come: 0,
-        read: 0,
-        lost: 0,
-    };
+    let receiver = LineReceiver { come: 0, read: 0 };
     (transmitter, receiver)
 }
 
@@ -53,10 +55,9 @@ fn in_order() {
 
 /// Receiver of the line.
 pub(crate) struct LineReceiver {
-    /// Bytes that had come by the last look, bytes that were read, and bytes that were written over before; modulo 2^32.
+    /// Bytes that had come by the last look, and bytes that were read; modulo 2^32.
     come: u32,
     read: u32,
-    lost: u32,
 }
 
 impl LineReceiver {
@@ -109,8 +110,9 @@ impl ReceivedBytes for LineReceiver {
         if waiting >= ROUND {
             // Nobody knows which of them are whole. Their frames are damaged, and the host repeats them.
             self.read = self.come;
-            self.lost = self.lost.wrapping_add(waiting);
-            defmt::warn!("the line has lost {=u32} bytes", self.lost);
+            let missed = MISSED.load(Ordering::Relaxed).wrapping_add(waiting);
+            MISSED.store(missed, Ordering::Relaxed);
+            defmt::warn!("{=u32} bytes of the line were missed", missed);
             return None;
         }
         self.read = self.read.wrapping_add(1);

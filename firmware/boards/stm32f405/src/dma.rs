@@ -7,7 +7,7 @@ use crate::board::{
     LINE_RECEIVE_REQUEST, LINE_RECEIVE_STREAM, LINE_TRANSMIT_REQUEST, LINE_TRANSMIT_STREAM,
     LineController, LinePort,
 };
-use crate::line::{ROUND, SharedBytes};
+use crate::line::SharedBytes;
 use crate::parts::Rcc;
 use core::sync::atomic::{AtomicU8, Ordering, fence};
 use stm32f4xx_hal::pac::{dma2, usart1};
@@ -69,7 +69,7 @@ pub(crate) fn start(memories: [&'static SharedBytes; 2], data: [u32; 2], rcc: &m
         unsafe {
             stream.par().write(|w| w.bits(data));
             stream.m0ar().write(|w| w.bits(memory.as_ptr() as u32));
-            stream.ndtr().write(|w| w.bits(ROUND));
+            stream.ndtr().write(|w| w.bits(memory.len() as u32));
             stream.cr().write(|w| w.bits(settings));
         }
     }

@@ -4,6 +4,7 @@ mod amplifiers;
 mod can;
 mod failures;
 mod job;
+mod line;
 mod power_up;
 
 use crate::chip::{Crystal, Kind, ResetCause};
@@ -50,6 +51,8 @@ pub(crate) enum Needs {
     Protection,
     Amplifiers,
     Bus,
+    /// No drives at all.
+    NoDrives,
 }
 
 /// Case of the bench.
@@ -66,7 +69,7 @@ impl Case {
 }
 
 /// All cases.
-pub(crate) const CASES: [Case; 19] = [
+pub(crate) const CASES: [Case; 21] = [
     Case::of("power-up", Needs::Any, power_up::rest),
     Case::of("crystal", Needs::Any, power_up::crystal),
     Case::of("job", Needs::Steppers, job::run),
@@ -86,6 +89,8 @@ pub(crate) const CASES: [Case; 19] = [
     Case::of("bus-off", Needs::Bus, can::wire),
     Case::of("drive", Needs::Bus, can::drive),
     Case::of("stop", Needs::Steppers, failures::stop),
+    Case::of("line", Needs::NoDrives, line::damaged),
+    Case::of("late", Needs::NoDrives, line::late),
 ];
 
 impl Subject {
@@ -128,6 +133,7 @@ impl Subject {
             Needs::Steppers => matches!(kind, Some(DriveKind::Stepper(_))),
             Needs::Protection => self.has(Needs::Steppers) && self.kind == Kind::Stm32f405,
             Needs::Amplifiers => matches!(kind, Some(DriveKind::Bldc(_))),
+            Needs::NoDrives => kind.is_none(),
             // The loops of simulated drives take the gains of the scene.
             Needs::Bus => {
                 matches!(kind, Some(DriveKind::Can(_))) && self.scene.controller.is_some()

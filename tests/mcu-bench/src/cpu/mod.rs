@@ -14,6 +14,8 @@ mod exceptions;
 mod flash;
 mod world;
 
+pub(crate) use flash::address_of;
+
 use crate::chip::{Chip, Crystal, Kind, NMI, RAM, RAM_BYTES, ResetCause};
 use crate::time::Time;
 use crate::trace::Trace;
