@@ -261,9 +261,10 @@ mod tests {
     fn a_board_of_its_own_crystal_and_ports_has_them() {
         let text = of("feather-f405", |text| text, &steppers());
         for part in [
-            "pub(crate) type LinePort = stm32f4xx_hal::pac::USART3;",
-            "line_interrupt!(USART3, OTG_FS);",
-            "pub(crate) type LogPort = stm32f4xx_hal::pac::USART1;",
+            "pub(crate) type LinePort = USART3;",
+            "line_interrupt!(DMA1_STREAM1, OTG_FS);",
+            "pub(crate) const LINE_TRANSMIT_STREAM: usize = 3;",
+            "pub(crate) type LogPort = USART1;",
             "divider: 12, factor: 336",
             "step_1: c.pc2,",
         ] {
@@ -280,7 +281,8 @@ mod tests {
         let text = of("nucleo-g474re", |text| text, &needs);
         for part in [
             "divider: 6, factor: 85",
-            "line_interrupt!(USART2, USB_LP);",
+            "line_interrupt!(DMA1_CHANNEL1, USB_LP);",
+            "pub(crate) const LINE_TRANSMIT_REQUEST: u8 = 27;",
             "pub(crate) type CanReceive = Pin<'A', 11>;",
             "can_transmit: Pin::of_its_port(),",
             "ports.switch_on('A', rcc);",

@@ -4,6 +4,7 @@ mod amplifiers;
 mod can;
 mod failures;
 mod job;
+mod line;
 mod power_up;
 mod update;
 
@@ -55,6 +56,8 @@ pub(crate) enum Needs {
     Bus,
     /// None: the image is replaced over the line.
     Update,
+    /// No drives at all.
+    NoDrives,
 }
 
 /// Case of the bench.
@@ -71,7 +74,7 @@ impl Case {
 }
 
 /// All cases.
-pub(crate) const CASES: [Case; 20] = [
+pub(crate) const CASES: [Case; 22] = [
     Case::of("power-up", Needs::Any, power_up::rest),
     Case::of("crystal", Needs::Any, power_up::crystal),
     Case::of("job", Needs::Steppers, job::run),
@@ -92,6 +95,8 @@ pub(crate) const CASES: [Case; 20] = [
     Case::of("drive", Needs::Bus, can::drive),
     Case::of("stop", Needs::Steppers, failures::stop),
     Case::of("update", Needs::Update, update::run),
+    Case::of("line", Needs::NoDrives, line::damaged),
+    Case::of("late", Needs::NoDrives, line::late),
 ];
 
 impl Subject {
@@ -137,6 +142,7 @@ impl Subject {
             Needs::Steppers => matches!(kind, Some(DriveKind::Stepper(_))),
             Needs::Protection => self.has(Needs::Steppers) && self.kind == Kind::Stm32f405,
             Needs::Amplifiers => matches!(kind, Some(DriveKind::Bldc(_))),
+            Needs::NoDrives => kind.is_none(),
             // The loops of simulated drives take the gains of the scene.
             Needs::Bus => {
                 matches!(kind, Some(DriveKind::Can(_))) && self.scene.controller.is_some()
