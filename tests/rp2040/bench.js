@@ -61,6 +61,7 @@ function boardOf(image, hasUsb) {
 /** Plays the job by the program. The board goes on until the program ends; or until `until` says so, whatever the program does. */
 function play(image, out, { until, hasUsb = false } = {}) {
   const board = boardOf(image, hasUsb);
+  const { scene } = hasUsb ? settings.usb : settings;
   return new Promise((resolve) => {
     let said = "";
     let over = false;
@@ -78,7 +79,7 @@ function play(image, out, { until, hasUsb = false } = {}) {
     });
     server.listen(0, "127.0.0.1", () => {
       const port = `tcp:127.0.0.1:${server.address().port}`;
-      const client = spawn(settings.trirrr, ["stream", settings.scene, "--port", port, "--out", out]);
+      const client = spawn(settings.trirrr, ["stream", scene, "--port", port, "--out", out]);
       client.stdout.on("data", (text) => (said += text));
       client.stderr.on("data", (text) => (said += text));
       if (!until) client.on("exit", finish);

@@ -5,6 +5,7 @@ use crate::image::Image;
 use crate::other_boards;
 use crate::programs::{Programs, succeed};
 use crate::repository::{SceneFile, root, target_directory};
+use crate::symbols;
 use anyhow::{Context, Result, ensure};
 use serde_json::json;
 use std::f64::consts::TAU;
@@ -21,23 +22,35 @@ const MODEL: &str = "rp2040js@1.4.1";
 /// Time by which an edge of a step pulse may be late, us: `docs/board.md`, times.
 const LATE_US: f64 = 4.8;
 
+/// Time by which it may be later where the line is USB, us: `docs/board.md`, USB.
+const USB_LATE_US: f64 = 14.0;
+
+/// Step rate of the scene, and the one that leaves time for that.
+const RATES: [&str; 2] = [
+    "step_rate_limit_hz = 40000.0",
+    "step_rate_limit_hz = 20000.0",
+];
+
 #[derive(clap::Args)]
 pub(crate) struct Rp2040Args {
     /// Execute the image on rp2040js, and check the pins
     #[arg(long)]
     run: bool,
+    /// One case alone: power-up, job, hung-tick, panic, usb
+    #[arg(long, requires = "run")]
+    case: Option<String>,
 }
 
 pub(crate) fn run(arguments: &Rp2040Args) -> Result<()> {
     let (file, scene) = other_boards::rp2040()?;
     match arguments.run {
-        true => execute(&file, &scene),
+        true => execute(&file, &scene, arguments.case.as_deref()),
         false => Ok(()),
     }
 }
 
 /// Executes the image on the model of the chip.
-fn execute(file: &SceneFile, scene: &Scene) -> Result<()> {
+fn execute(file: &SceneFile, scene: &Scene, case: Option<&str>) -> Result<()> {
     let image = Image::rp2040(file, of_scene(scene.number));
     let panicking = image.build_as("-panic", |cargo| {
         cargo
@@ -59,15 +72,43 @@ fn execute(file: &SceneFile, scene: &Scene) -> Result<()> {
         install.arg(&folder).arg(MODEL),
         "the installation of rp2040js",
     )?;
-    let settings = settings(file, scene, [&image.build()?, &panicking])?;
+    let mut settings = settings(file, scene, [&image.build()?, &panicking])?;
+    settings["usb"] = usb_settings(file, &folder)?;
     let written = folder.join("settings.json");
     fs::write(&written, settings.to_string()).with_context(|| written.display().to_string())?;
     let mut bench = Command::new("node");
     bench.arg(root().join("tests/rp2040/bench.js"));
     succeed(
-        bench.arg(&folder).arg(&written),
+        bench.arg(&folder).arg(&written).args(case),
         "the image on the model of the RP2040",
     )
+}
+
+/// Builds the image with its line over USB, of the scene with slower steps, and returns what the bench reads of it.
+fn usb_settings(file: &SceneFile, folder: &Path) -> Result<serde_json::Value> {
+    let text = fs::read_to_string(&file.path).with_context(|| file.path.display().to_string())?;
+    let [rate, slower] = RATES;
+    ensure!(text.contains(rate), "{}: no {rate}", file.path.display());
+    let slow = SceneFile {
+        name: format!("{}-usb", file.name),
+        path: folder.join(format!("{}-usb.toml", file.name)),
+    };
+    let path = slow.path.display().to_string();
+    fs::write(&slow.path, text.replace(rate, slower)).context(path.clone())?;
+    let scene = Scene::read(&slow.path)?;
+    let image = Image::rp2040(&slow, of_scene(scene.number)).build_as("", |cargo| {
+        cargo.env("LINE", "usb");
+    })?;
+    symbols::check_mark(&image, symbols::USB_LINE)?;
+    let (slots_hz, _) = Needs::of(&scene, &slow.name, None)?
+        .slots
+        .context("the slots of steppers")?;
+    Ok(json!({
+        "image": image,
+        "scene": slow.path,
+        "leastUs": 1e6 / f64::from(slots_hz) - LATE_US - USB_LATE_US,
+        "maskedUs": USB_LATE_US,
+    }))
 }
 
 /// Pins of the board and figures of the scene, as the bench reads them.
@@ -121,6 +162,8 @@ fn settings(
         "leastUs": 1e6 / f64::from(slots_hz) - LATE_US,
         "tickS": tick_s,
         "ticks": scene.ticks() + 1,
+        "silenceS": scene.service.silence_timeout_s,
+        "holdRampS": scene.service.hold_ramp_s,
         "watchdogS": (4.0 * tick_s).max(0.2),
     }))
 }

@@ -157,6 +157,17 @@ mod tests {
     }
 
     #[test]
+    fn every_crystal_makes_the_clock_of_usb_too() {
+        // The second PLL of the RP2040 makes 1,200 MHz, and 48 of them.
+        let crystals = (5..=15).filter(|mhz| RP2040_CLOCK.pll(mhz * 1_000_000).is_some());
+        for mhz in crystals {
+            assert_eq!(1_200 % mhz, 0, "{mhz}");
+        }
+        // A third output of the PLL of the STM32F405, through 7.
+        assert_eq!(STM32F405_CLOCK.oscillator_hz, 7 * 48_000_000);
+    }
+
+    #[test]
     fn every_setting_is_within_the_limits_of_the_chip() {
         for clock in [&STM32F405_CLOCK, &STM32G474_CLOCK, &RP2040_CLOCK] {
             let (least, most) = clock.crystal_hz;
