@@ -31,7 +31,9 @@ mod app {
     #[cfg(not(interlocks))]
     use crate::switches::Switches;
     #[cfg(usb)]
-    use crate::usb::{self, LineMemory, LineReceiver, LineTransmitter};
+    use crate::usb::{
+        self, PacketMemory, PacketReceiver as LineReceiver, PacketTransmitter as LineTransmitter,
+    };
     #[cfg(not(usb))]
     use embedded_hal_nb::serial::Read;
     // RTIC names the types of all resources.
@@ -82,7 +84,7 @@ mod app {
         #[cfg(not(usb))]
         bytes: Queue<u8, RECEIVED> = Queue::new(),
         #[cfg(usb)]
-        memory: LineMemory = LineMemory::new(),
+        memory: PacketMemory = PacketMemory::new(),
         #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
         inbox: Inbox = Queue::new(),
     ])]
