@@ -20,6 +20,9 @@ const MS = 1e6;
 const PORTS = (1 << 5) | (1 << 8);
 // All parts that the watchdog resets, but both oscillators, in PSM_WDSEL.
 const PARTS = 0x1fffc;
+// As in `rp2040.x`: the stack is the first 32 KiB of the RAM.
+const STACK = 0x8000;
+const STACK_TOP = 0x2000_0000 + STACK;
 
 function figure(name, measured, bound, holds) {
   console.log(`${name.padEnd(72)} ${String(measured).padStart(12)}   ${bound}`);
@@ -87,7 +90,7 @@ function play(image, out, { until, hasUsb = false } = {}) {
         if (over) return;
         board.run(MS);
         // The start of the program has no interrupts.
-        board.countsMasked ||= board.edges[settings.step[0]].length > 1;
+        board.watches ||= board.edges[settings.step[0]].length > 1;
         if (board.resetNs !== undefined || until?.(board)) {
           client.removeListener("exit", finish);
           client.kill();
@@ -291,8 +294,11 @@ async function usb() {
     ({ host }) => host.stop(true),
     ({ host }) => host.stop(false),
   );
-  const masked = Math.max(...[played, pulled, stopped].map((board) => board.longestMaskedNs)) / 1e3;
+  const boards = [played, pulled, stopped];
+  const masked = Math.max(...boards.map((board) => board.longestMaskedNs)) / 1e3;
   figure("usb: longest time without interrupts, µs", masked.toFixed(2), `≤ ${settings.usb.maskedUs}`, masked <= settings.usb.maskedUs);
+  const stack = STACK_TOP - Math.min(...boards.map((board) => board.lowestStack));
+  figure("usb: bytes of the stack in use at most", stack, `≤ ${STACK / 2}`, stack <= STACK / 2);
 }
 
 (async () => {
