@@ -22,15 +22,6 @@ const MODEL: &str = "rp2040js@1.4.1";
 /// Time by which an edge of a step pulse may be late, us: `docs/board.md`, times.
 const LATE_US: f64 = 4.8;
 
-/// Time by which it may be later where the line is USB, us: `docs/board.md`, USB.
-const USB_LATE_US: f64 = 14.0;
-
-/// Step rate of the scene, and the one that leaves time for that.
-const RATES: [&str; 2] = [
-    "step_rate_limit_hz = 40000.0",
-    "step_rate_limit_hz = 20000.0",
-];
-
 #[derive(clap::Args)]
 pub(crate) struct Rp2040Args {
     /// Execute the image on rp2040js, and check the pins
@@ -73,7 +64,11 @@ fn execute(file: &SceneFile, scene: &Scene, case: Option<&str>) -> Result<()> {
         "the installation of rp2040js",
     )?;
     let mut settings = settings(file, scene, [&image.build()?, &panicking])?;
-    settings["usb"] = usb_settings(file, &folder)?;
+    let over_usb = image.build_as("-usb", |cargo| {
+        cargo.env("LINE", "usb");
+    })?;
+    symbols::check_mark(&over_usb, symbols::USB_LINE)?;
+    settings["overUsb"] = json!(over_usb);
     let written = folder.join("settings.json");
     fs::write(&written, settings.to_string()).with_context(|| written.display().to_string())?;
     let mut bench = Command::new("node");
@@ -82,33 +77,6 @@ fn execute(file: &SceneFile, scene: &Scene, case: Option<&str>) -> Result<()> {
         bench.arg(&folder).arg(&written).args(case),
         "the image on the model of the RP2040",
     )
-}
-
-/// Builds the image with its line over USB, of the scene with slower steps, and returns what the bench reads of it.
-fn usb_settings(file: &SceneFile, folder: &Path) -> Result<serde_json::Value> {
-    let text = fs::read_to_string(&file.path).with_context(|| file.path.display().to_string())?;
-    let [rate, slower] = RATES;
-    ensure!(text.contains(rate), "{}: no {rate}", file.path.display());
-    let slow = SceneFile {
-        name: format!("{}-usb", file.name),
-        path: folder.join(format!("{}-usb.toml", file.name)),
-    };
-    let path = slow.path.display().to_string();
-    fs::write(&slow.path, text.replace(rate, slower)).context(path.clone())?;
-    let scene = Scene::read(&slow.path)?;
-    let image = Image::rp2040(&slow, of_scene(scene.number)).build_as("", |cargo| {
-        cargo.env("LINE", "usb");
-    })?;
-    symbols::check_mark(&image, symbols::USB_LINE)?;
-    let (slots_hz, _) = Needs::of(&scene, &slow.name, None)?
-        .slots
-        .context("the slots of steppers")?;
-    Ok(json!({
-        "image": image,
-        "scene": slow.path,
-        "leastUs": 1e6 / f64::from(slots_hz) - LATE_US - USB_LATE_US,
-        "maskedUs": USB_LATE_US,
-    }))
 }
 
 /// Pins of the board and figures of the scene, as the bench reads them.

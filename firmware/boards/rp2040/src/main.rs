@@ -16,6 +16,8 @@ mod chip;
 #[cfg(target_os = "none")]
 mod clock;
 #[cfg(target_os = "none")]
+mod critical;
+#[cfg(target_os = "none")]
 mod drives;
 #[cfg(all(target_os = "none", interlocks))]
 mod interlocks;
