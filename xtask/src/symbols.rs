@@ -25,7 +25,10 @@ struct Mark {
 }
 
 /// Symbol that only images for an emulator hold, with the feature `ruled-switches`.
-const RULED_SWITCHES: &str = "13RuledSwitches";
+pub(crate) const RULED_SWITCHES: &str = "13RuledSwitches";
+
+/// Symbol that only images hold whose line is USB, by the build.
+pub(crate) const USB_LINE: &str = "14UsbTransmitter";
 
 const MARKS: &[Mark] = &[
     Mark {
@@ -141,6 +144,11 @@ const MARKS: &[Mark] = &[
         used: |_| false,
     },
     Mark {
+        what: "a line over USB",
+        names: &[USB_LINE, "10usb_device"],
+        used: |_| false,
+    },
+    Mark {
         what: "values as text",
         names: &["9Formatter", "7Display3fmt", "5Debug3fmt", "7flt2dec"],
         used: |_| false,
@@ -202,15 +210,14 @@ fn check_routines(names: &[&str], has_fpu: bool, is_adjustable: bool) -> Result<
     }
 }
 
-/// Checks that the image in `file` has switches that close by rule, and that they would be seen in one
-/// that should not have them.
+/// Checks that the image in `file` has what `mark` shows, and that this would be seen in one that should not have it.
 ///
 /// # Errors
-/// No symbol shows them.
-pub(crate) fn check_ruled_switches(file: &Path) -> Result<()> {
+/// No symbol shows it.
+pub(crate) fn check_mark(file: &Path, mark: &str) -> Result<()> {
     with_elf(file, |elf| {
-        let is_shown = names(elf).iter().any(|name| name.contains(RULED_SWITCHES));
-        ensure!(is_shown, "no symbol shows {RULED_SWITCHES}");
+        let is_shown = names(elf).iter().any(|name| name.contains(mark));
+        ensure!(is_shown, "no symbol shows {mark}");
         Ok(())
     })
 }

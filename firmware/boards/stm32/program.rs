@@ -24,7 +24,7 @@ mod app {
     use crate::parts::{self, Watchdog};
     use crate::serial::{self, LogTransmitter};
     #[cfg(usb)]
-    use crate::usb::{self, LineMemory, LineReceiver as Packets, LineTransmitter};
+    use crate::usb::{self, PacketMemory, PacketReceiver, PacketTransmitter as LineTransmitter};
     #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
     use heapless::spsc::Queue;
     use trirrr_app::{Background, Channels, Tick, TickClock, period};
@@ -40,7 +40,7 @@ mod app {
     #[local]
     struct Local {
         #[cfg(usb)]
-        packets: Packets,
+        packets: PacketReceiver,
         tick: Tick<BoardInputs, BoardOutputs>,
         timer: DriveTimer,
         background: Background<LineTransmitter, LogTransmitter, LineReceiver>,
@@ -50,7 +50,7 @@ mod app {
     #[init(local = [
         channels: Channels = Channels::new(),
         #[cfg(usb)]
-        memory: LineMemory = LineMemory::new(),
+        memory: PacketMemory = PacketMemory::new(),
         #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
         inbox: Inbox = Queue::new(),
     ])]

@@ -19,6 +19,8 @@ mod clock;
 #[path = "../../common/mod.rs"]
 mod common;
 #[cfg(target_os = "none")]
+mod critical;
+#[cfg(target_os = "none")]
 mod drives;
 #[cfg(target_os = "none")]
 mod pins;
@@ -44,9 +46,15 @@ mod app {
     use super::pins::Ports;
     use super::start;
     #[cfg(not(usb))]
-    use super::uart::{self as line_port, LineMemory, LineReceiver, LineTransmitter};
+    use super::uart::{
+        self as line_port, UartMemory as LineMemory, UartReceiver as LineReceiver,
+        UartTransmitter as LineTransmitter,
+    };
     #[cfg(usb)]
-    use super::usb::{self as line_port, LineMemory, LineReceiver, LineTransmitter};
+    use super::usb::{
+        self as line_port, PlugMemory as LineMemory, PlugReceiver as LineReceiver,
+        PlugTransmitter as LineTransmitter,
+    };
     use rp2040_hal::fugit::{ExtU32, RateExtU32};
     use rp2040_hal::gpio::{self, AnyPin, FunctionUart, Pin, PullNone};
     use rp2040_hal::pwm::Slices;

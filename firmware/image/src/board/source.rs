@@ -294,6 +294,37 @@ mod tests {
     }
 
     #[test]
+    fn a_line_over_usb_has_its_interrupt_and_no_port() {
+        let needs = Needs {
+            usb_line: true,
+            ..nothing()
+        };
+        let parse = |name: &str, family| {
+            let board = BoardFile::parse(&shipped(name), name, Some((family, &needs)));
+            source(&board.unwrap_or_else(|error| panic!("{error}")), &needs)
+        };
+        let pico = parse("pico", Family::Rp2040);
+        let f405 = parse("generic-f405", Family::Stm32f405);
+        assert!(
+            pico.contains("line_interrupt!(UART1_IRQ, USBCTRL_IRQ);"),
+            "{pico}"
+        );
+        for part in [
+            "line_interrupt!(USART3, OTG_FS);",
+            "pub(crate) type UsbMinus = Pin<'A', 11>;",
+            "usb_plus: a.pa12,",
+        ] {
+            assert!(f405.contains(part), "{part}: {f405}");
+        }
+        for text in [pico, f405] {
+            assert!(
+                !text.contains("LinePort") && !text.contains("line:"),
+                "{text}"
+            );
+        }
+    }
+
+    #[test]
     fn a_pico_has_its_slice_of_pwm() {
         let needs = Needs {
             tool: "duty".into(),
