@@ -68,10 +68,8 @@ impl<N: Transmit> JobClient<N> {
                     self.schedule.look_at(now);
                 }
             }
-            Command::OutputsAt(_) => {
-                if self.progress.waits() && !self.offers() {
-                    self.schedule.look_at(now);
-                }
+            Command::OutputsAt(_) if self.progress.waits() && !self.offers() => {
+                self.schedule.look_at(now);
             }
             Command::Move(_)
             | Command::Quintic(_)

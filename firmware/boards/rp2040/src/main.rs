@@ -92,14 +92,14 @@ mod app {
     >;
 
     #[cfg(not(digital))]
-    type BoardOutputs = Outputs;
+    type ChipOutputs = Outputs;
     #[cfg(digital)]
-    type BoardOutputs = super::digital::SwitchedOutputs<Outputs>;
+    type ChipOutputs = super::digital::SwitchedOutputs<Outputs>;
 
     #[cfg(not(digital))]
-    type BoardInputs = Switches;
+    type ChipInputs = Switches;
     #[cfg(digital)]
-    type BoardInputs = super::digital::SensedInputs<Switches>;
+    type ChipInputs = super::digital::SensedInputs<Switches>;
 
     #[shared]
     struct Shared {}
@@ -108,7 +108,7 @@ mod app {
     struct Local {
         receiver: Reader<LinePort, LinePins>,
         received: Producer<'static, u8>,
-        tick: Tick<BoardInputs, BoardOutputs>,
+        tick: Tick<ChipInputs, ChipOutputs>,
         slot: DriveTimer,
         background: Background<Writer<LinePort, LinePins>, Writer<LogPort, LogPins>>,
         watchdog: Watchdog,
