@@ -24,6 +24,8 @@ pub struct BoardScene {
     pub levels: Vec<u8>,
     /// Levels of moves, 5 numbers each: index of the move, first level, count, offset, span.
     pub ranges: Vec<u32>,
+    /// Spare outputs that change with moves, 3 numbers each: index of the move, outputs that go on and outputs that go off, a bit for each.
+    pub outputs: Vec<u32>,
     /// Names of the tools of which the platform carries one.
     pub tools: Vec<String>,
     /// The index of the tool that the job is for, then the platform with each tool, 6 numbers each in SI units: mass, moment of inertia,
@@ -53,6 +55,8 @@ impl BoardScene {
             let (count, offset) = (range.count.into(), range.offset.into());
             [*index, range.first, count, offset, range.span]
         });
+        let changes = job.outputs.changes().iter();
+        let outputs = changes.flat_map(|(index, bits)| [*index, bits.on.into(), bits.off.into()]);
         let tools = trirrr_scene::CarriedTools::of(scene).unwrap_or_default();
         Ok(Self {
             name: scene.name.clone(),
@@ -70,6 +74,7 @@ impl BoardScene {
             ],
             moves: job.moves.iter().flat_map(numbers).collect(),
             ranges: ranges.collect(),
+            outputs: outputs.collect(),
             levels: job.levels.levels,
             tools: tools.names().to_vec(),
             bodies: match tools.names() {

@@ -36,8 +36,6 @@ _CODES = {
     "Contact": "contact: a force of {value:.4g} N at the tool, the most allowed is {limit:.4g} N",
     "ContactMoment": "contact: a moment of {value:.4g} N m at the tool, the most allowed is {limit:.4g} N m",
     "EmergencyStop": "the emergency stop was pressed, or its wire is broken: release it, then acknowledge the fault",
-    "NoOutput": "the machine's scene names {outputs} spare outputs: [[io.outputs]] names them, the first has number 0",
-    "OutputsFull": "the machine has no room for more changes of outputs with moves yet",
     "LimitSwitch": "motor {number} has reached its limit switch, or the wire of that is broken: acknowledge the fault, then a "
     "recovery leads off it",
 }
@@ -102,6 +100,8 @@ _REFUSED = {
     "NoProbe": "the machine's scene names no probe: [inputs.probe] would",
     "ProbeTouches": "the probe touches before the run",
     "ProbeOpen": "the probe does not touch before the run, which is to lead away",
+    "NoOutput": "the machine's scene names {outputs} spare outputs: [[io.outputs]] names them, the first has number 0",
+    "OutputsFull": "the machine has no room for more changes of outputs with moves yet",
     "LimitSwitch": "motor {number} stands on its limit switch: only a recovery or homing moves the machine off it",
     "NoUpdate": "the machine's program cannot be replaced over the line",
     "Recovery": "the way there would break a limit",

@@ -137,7 +137,7 @@ impl PathReader {
                         bits,
                     });
                     // A stand of one tick, in which they change, has its place on the path wherever that is.
-                    self.note_tool(source, None, sink);
+                    self.note_tool(source, tool_of(element.tool, None), sink);
                     sink.dwell(Dwell { source, ticks: 1 });
                     self.stops = true;
                 }
@@ -430,4 +430,65 @@ pub fn tool_of(work: Option<ToolWork>, feed_m_s: Option<f64>) -> Option<Tool> {
             false => 0.0,
         },
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{JobOptions, gcode_job};
+    use trirrr_scene::{OutputBits, Scene};
+    use trirrr_toolpath::ToolPlace;
+
+    /// Each change is with the move that begins where the program has it.
+    #[test]
+    fn outputs_change_with_the_moves_of_their_places() {
+        let file = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../scenes/inputs/valves.toml"
+        );
+        let mut scene = Scene::read(file).expect("a shipped scene");
+        let options = JobOptions {
+            origin: ToolPlace {
+                position_m: [0.21, 0.22],
+                alpha_rad: 0.0,
+            },
+            ..JobOptions::default()
+        };
+        // G64: the machine passes the places of M62 and M63 without a stop.
+        let text = "G21 G90 G64\nM64 P1\nG1 X5 F3000\nM62 P0\nG4 P0.1\nX10\nM63 P0\nM63 P1\nX20\nM65 P1\nM64 P0\n";
+        let job = gcode_job(text.as_bytes(), &scene, &options).expect("a good program");
+        job.plan(&mut scene).expect("a plan");
+        let (moves, outputs) = (&scene.job.moves, &scene.job.outputs);
+        let found: Vec<(i64, bool, OutputBits)> = outputs
+            .changes()
+            .iter()
+            .map(|(index, bits)| {
+                let each = &moves[*index as usize];
+                let x_um = ((each.from.position.x - 0.21) * 1e6).round() as i64;
+                (x_um, each.from == each.to, *bits)
+            })
+            .collect();
+        let one = OutputBits::one;
+        let expected = [
+            (0, true, one(1, true)),
+            // Behind the dwell: that is no motion.
+            (5000, false, one(0, true)),
+            (10_000, false, one(0, false).then(one(1, false))),
+            (20_000, true, one(1, false)),
+            (20_000, true, one(0, true)),
+        ];
+        assert_eq!(found, expected);
+        // It does not rest at the place of M63.
+        let passed = moves
+            .iter()
+            .find(|each| each.from.position.x >= 0.2199 && each.from != each.to);
+        assert!(passed.expect("a move").start_velocity.x > 0.01);
+        // Twice: the same changes once more, behind the way back.
+        let twice = JobOptions {
+            repeat: 2,
+            ..options
+        };
+        let job = gcode_job(text.as_bytes(), &scene, &twice).expect("a good program");
+        job.plan(&mut scene).expect("a plan");
+        assert_eq!(scene.job.outputs.changes().len(), 2 * expected.len());
+    }
 }

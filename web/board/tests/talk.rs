@@ -24,6 +24,7 @@ fn page(text: &str) -> Board {
         &scene.moves,
         scene.levels,
         &scene.ranges,
+        &scene.outputs,
         scene.tools,
         &scene.bodies,
         7,
@@ -324,7 +325,17 @@ fn parts_that_are_no_scene_are_refused() {
             let levels = vec![];
             let name = "a".into();
             let made = Board::new(
-                name, number, 1, figures, moves, levels, ranges, tools, bodies, 7,
+                name,
+                number,
+                1,
+                figures,
+                moves,
+                levels,
+                ranges,
+                &[],
+                tools,
+                bodies,
+                7,
             );
             made.map(|_| ())
         };

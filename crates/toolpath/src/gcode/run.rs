@@ -260,8 +260,10 @@ impl<'b, 't> LineRun<'b, 't> {
         if with_motion {
             self.state.waiting = Some(self.block.number);
         }
+        // As in a dwell: a gripper must not let go for it.
+        let tool = self.tool_at_rest();
         self.push(
-            None,
+            tool,
             Act::Output(OutputAct {
                 index,
                 on,

@@ -68,16 +68,6 @@ mod app {
     type LogPin = Pin<<LogTransmit as AnyPin>::Id, FunctionUart, PullNone>;
     type LogPins = uart::Pins<OptionTSome<LogPin>, OptionTNone, OptionTNone, OptionTNone>;
 
-    #[cfg(not(digital))]
-    type BoardOutputs = Outputs;
-    #[cfg(digital)]
-    type BoardOutputs = super::digital::SwitchedOutputs<Outputs>;
-
-    #[cfg(not(digital))]
-    type BoardInputs = Switches;
-    #[cfg(digital)]
-    type BoardInputs = super::digital::SensedInputs<Switches>;
-
     #[shared]
     struct Shared {}
 

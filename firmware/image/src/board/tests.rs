@@ -104,6 +104,52 @@ fn a_pin_that_cannot_do_its_work_is_refused_with_those_that_can() {
 }
 
 #[test]
+fn spare_pins_are_lists_with_as_many_as_the_scene_names() {
+    let spare = |outputs, inputs| Needs {
+        spare: [outputs, inputs],
+        ..needs("none")
+    };
+    let outputs = "outputs = [\"PA10\", \"PA11\", \"PA12\", \"PD2\"]";
+    assert!(changed(outputs, outputs, &spare(4, 2)).is_ok());
+    let text = refusal(changed(outputs, outputs, &spare(5, 1)));
+    let said =
+        "has 4 pins, and scenes/own.toml names 5 [[io.outputs]]: add free pins, or name fewer";
+    assert!(text.contains(said), "{text}");
+    let text = refusal(changed(outputs, "outputs = []", &spare(1, 1)));
+    assert!(
+        text.contains("io.outputs = []: must be 1 to 8 pins, found 0"),
+        "{text}"
+    );
+    let text = refusal(changed(outputs, "", &spare(1, 0)));
+    let said = "io.outputs: missing: scenes/own.toml has spare outputs, and this board names no pin for it";
+    assert!(text.contains(said), "{text}");
+    let text = refusal(changed(
+        "\"PA11\", \"PA12\"",
+        "\"PA10\", \"PA12\"",
+        &spare(1, 1),
+    ));
+    assert!(text.contains("PA10 is that of io.outputs[1]"), "{text}");
+    // An image takes the first ones.
+    let board = changed(
+        outputs,
+        outputs.replace("\"PA10\"", "\"!PA10\"").as_str(),
+        &spare(1, 2),
+    );
+    let text = source::source(
+        &board.unwrap_or_else(|error| panic!("{error}")),
+        &spare(1, 2),
+    );
+    for part in [
+        "pub(crate) type Output1 = Inverted<Pin<'A', 10>>;",
+        "pub(crate) type Output2 = NoPin;",
+        "pub(crate) type Input2 = Pin<'B', 11>;",
+        "pub(crate) type Input3 = NoPin;",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+}
+
+#[test]
 fn a_pin_has_one_function_in_an_image() {
     let text = refusal(changed(
         "release = \"PB0\"",
