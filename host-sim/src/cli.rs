@@ -13,6 +13,7 @@ use crate::goals::{FollowArgs, GotoArgs, JogArgs, ParkArgs};
 use crate::grbl::GrblArgs;
 use crate::identify::IdentifyArgs;
 use crate::init::InitArgs;
+use crate::install::InstallArgs;
 use crate::key::KeyArgs;
 use crate::linkage::LinkageArgs;
 use crate::machine::{DisableArgs, DrivesArgs, EnableArgs, ProbeArgs, ToolArgs};
@@ -74,6 +75,8 @@ pub enum Command {
     Probe(ProbeArgs),
     /// Replace the program of a board over its line
     Update(UpdateArgs),
+    /// Bring a scene to a board over its line, without a new image
+    Install(InstallArgs),
     /// Move a machine to a pose, from rest or from any motion
     Goto(GotoArgs),
     /// Move a machine to the start of the scene's job, or to another pose, slowly

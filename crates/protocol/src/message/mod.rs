@@ -25,6 +25,7 @@ mod probe;
 mod refusal;
 mod report;
 pub mod scene;
+mod scene_types;
 mod state;
 mod telemetry;
 #[cfg(test)]
@@ -48,6 +49,9 @@ pub use refusal::Refusal;
 pub use report::{
     Cut, Event, Identity, Interruption, JobAccount, Message, MessageRef, NAME_CAPACITY, Reply,
     Status, Verdict,
+};
+pub use scene_types::{
+    SCENE_KEYS, SceneHeader, SceneNeed, SceneNeeds, SceneRoom, SceneTypes,
 };
 pub use state::{Acting, State};
 pub use telemetry::{Telemetry, TelemetryFields};
