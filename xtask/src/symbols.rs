@@ -121,6 +121,11 @@ const MARKS: &[Mark] = &[
         used: |scene| scene.service.adjustable,
     },
     Mark {
+        what: "a scene from the line",
+        names: &["12stored_scene"],
+        used: |scene| scene.service.scene_over_line,
+    },
+    Mark {
         what: "feedback",
         names: &["12WithFeedback"],
         used: |scene| scene.feedback.is_some(),
@@ -263,6 +268,7 @@ mod tests {
             ("_RNv5interlock5probe10ProbeLatch4read", "a probe"),
             ("_RNv4lamp8WithLamp4show", "a status lamp"),
             ("_RNv6levels4list10MoveLevels", "power lists"),
+            ("_RNv3app12stored_scene6played", "a scene from the line"),
             (
                 "_RNv8switches13RuledSwitches6closed",
                 "switches that close by rule",

@@ -178,13 +178,18 @@ mod tests {
         let mut board = BoardOfTests::with(types(&[SceneNeed::Torques]));
         let mut needed = types(&[SceneNeed::Torques, SceneNeed::Jerk]);
         needed.keys[SceneNeed::ToolOutput as usize - SceneNeed::Number as usize] = 4;
-        let failure = board.take(SceneImage::new(needed, &values())).expect_err("two parts");
+        let failure = board
+            .take(SceneImage::new(needed, &values()))
+            .expect_err("two parts");
         let mut lacks = SceneNeeds::default();
         lacks.insert(SceneNeed::Jerk);
         lacks.insert(SceneNeed::ToolOutput);
         assert_eq!(failure, UpdateFailure::Lacks(lacks));
         let text = failure.describe();
-        assert!(text.contains("jerk_rad_s3") && text.contains("[tool]"), "{text}");
+        assert!(
+            text.contains("jerk_rad_s3") && text.contains("[tool]"),
+            "{text}"
+        );
         assert!(text.contains("build an image"), "{text}");
         let refused = |board: &mut BoardOfTests| {
             let image = SceneImage::new(types(&[]), &values());

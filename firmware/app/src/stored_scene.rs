@@ -1,12 +1,12 @@
 //! Scene that has come over the line: kept in the flash, and played from the next start on in place of the image's own.
 
-#[cfg(contact)]
-use crate::scene::{CONTACT, PERIOD_S};
-use crate::scene::{Curves, Model, Planner, SCENE_OWNER, SETTINGS, START, Scalar, TYPES};
 #[cfg(feedback)]
 use crate::scene::FEEDBACK;
 #[cfg(homing)]
 use crate::scene::HOMING;
+#[cfg(contact)]
+use crate::scene::{CONTACT, PERIOD_S};
+use crate::scene::{Curves, Model, Planner, SCENE_OWNER, SETTINGS, START, Scalar, TYPES};
 use crate::scene::{LIMITS, PARAMETERS};
 use crate::update::{LAYOUT, StandingFlash, flash_refusal};
 use trirrr_boot::{Slot, WholeImage, keep, kept, read, spare};

@@ -171,7 +171,9 @@ fn update(refusal: &UpdateRefusal) -> String {
 pub fn scene_need(need: SceneNeed) -> &'static str {
     match need {
         SceneNeed::Torques => "torques (torque is not false)",
-        SceneNeed::PayloadOffset => "a centre of mass off the reference point (com_m in [platform])",
+        SceneNeed::PayloadOffset => {
+            "a centre of mass off the reference point (com_m in [platform])"
+        }
         SceneNeed::Rotors => "rotor inertia (rotor_inertia_kgm2, or that of [[drive]])",
         SceneNeed::LinkMasses => "masses of links (proximal and distal in [[machine.leg]])",
         SceneNeed::Gravity => "gravity in the plane (gravity_m_s2, mounted)",
@@ -182,13 +184,19 @@ pub fn scene_need(need: SceneNeed) -> &'static str {
         SceneNeed::PowerLists => "room for so many levels of power (power_lists in [service])",
         SceneNeed::Number => "its number type (number)",
         SceneNeed::TickRate => "its tick rate (tick_rate_hz)",
-        SceneNeed::Drives => "its drives (kind and constants of [[drive]], but steps and gears of steppers)",
+        SceneNeed::Drives => {
+            "its drives (kind and constants of [[drive]], but steps and gears of steppers)"
+        }
         SceneNeed::Brake => "its brake (brake in [power], there or not)",
         SceneNeed::ToolOutput => "its output to the tool ([tool])",
         SceneNeed::Inputs => "its inputs ([inputs])",
         SceneNeed::Lamp => "its status lamp (there or not)",
-        SceneNeed::Homing => "its kind of homing ([homing], there or not, kind and level of its switches)",
+        SceneNeed::Homing => {
+            "its kind of homing ([homing], there or not, kind and level of its switches)"
+        }
         SceneNeed::Feedback => "feedback of the drives ([feedback], there or not)",
-        SceneNeed::Contact => "detection of contacts ([contact], there or not, with a retreat or without)",
+        SceneNeed::Contact => {
+            "detection of contacts ([contact], there or not, with a retreat or without)"
+        }
     }
 }

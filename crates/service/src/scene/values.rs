@@ -140,9 +140,7 @@ impl SceneValues {
             telemetry_every: self.telemetry_every,
             power: self.power,
             reactions: self.reactions,
-            planning: self
-                .planning
-                .map(|planning| planning.convert(N::from_f64)),
+            planning: self.planning.map(|planning| planning.convert(N::from_f64)),
             scene: SceneIdentity {
                 key: self.key,
                 name: self.name,

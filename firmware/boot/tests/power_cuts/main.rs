@@ -253,12 +253,18 @@ fn blocks_come_in_their_order_and_the_checksum_is_that_of_the_flash() {
         length: LAYOUT.new.bytes() + 1,
         checksum: 0,
     };
-    assert_eq!(receiver.begin(LAYOUT.new.bytes(), long), Err(ReceiveError::Length));
+    assert_eq!(
+        receiver.begin(LAYOUT.new.bytes(), long),
+        Err(ReceiveError::Length)
+    );
     let none = WholeImage {
         length: 0,
         checksum: 0,
     };
-    assert_eq!(receiver.begin(LAYOUT.new.bytes(), none), Err(ReceiveError::Length));
+    assert_eq!(
+        receiver.begin(LAYOUT.new.bytes(), none),
+        Err(ReceiveError::Length)
+    );
     receiver
         .begin(LAYOUT.new.bytes(), image(&new))
         .expect("an image of this length");

@@ -75,7 +75,10 @@ fn a_cut_anywhere_leaves_the_old_content_or_the_new_one() {
             let newest = contents(&flash, OWNER).swap_remove(0);
             assert!(newest == old || newest == new, "seed {seed}, cut {cut}");
             // The last word may have been programmed in spite of the cut.
-            assert!(newest == old || cut + 1 == operations, "seed {seed}, cut {cut}");
+            assert!(
+                newest == old || cut + 1 == operations,
+                "seed {seed}, cut {cut}"
+            );
             // The next one is none the worse.
             let after = content(4);
             take(&mut flash, &after, OWNER).expect("a flash with power");
@@ -125,7 +128,11 @@ fn content_that_is_damaged_does_not_count() {
         take(&mut flash, &content(number), OWNER).expect("a flash with power");
     }
     let slot = LAYOUT.scenes[1];
-    for address in [slot.start, slot.start + slot.room(), slot.start + slot.room() + 8] {
+    for address in [
+        slot.start,
+        slot.start + slot.room(),
+        slot.start + slot.room() + 8,
+    ] {
         let mut damaged = flash.clone();
         *damaged.words.get_mut(&address).expect("a word") ^= 1 << 7;
         assert_eq!(contents(&damaged, OWNER), [content(0)], "{address:#x}");

@@ -3,6 +3,7 @@
 mod amplifiers;
 mod can;
 mod failures;
+mod install;
 mod job;
 mod power_up;
 mod update;
@@ -55,6 +56,8 @@ pub(crate) enum Needs {
     Bus,
     /// None: the image is replaced over the line.
     Update,
+    /// None: the image takes scenes over the line.
+    SceneOverLine,
 }
 
 /// Case of the bench.
@@ -71,7 +74,7 @@ impl Case {
 }
 
 /// All cases.
-pub(crate) const CASES: [Case; 20] = [
+pub(crate) const CASES: [Case; 21] = [
     Case::of("power-up", Needs::Any, power_up::rest),
     Case::of("crystal", Needs::Any, power_up::crystal),
     Case::of("job", Needs::Steppers, job::run),
@@ -92,6 +95,7 @@ pub(crate) const CASES: [Case; 20] = [
     Case::of("drive", Needs::Bus, can::drive),
     Case::of("stop", Needs::Steppers, failures::stop),
     Case::of("update", Needs::Update, update::run),
+    Case::of("install", Needs::SceneOverLine, install::run),
 ];
 
 impl Subject {
@@ -120,12 +124,17 @@ impl Subject {
 
     /// Returns a host of a board that has started.
     fn host(&self, board: &mut Board) -> Result<Host> {
+        self.host_of(board, &self.scene)
+    }
+
+    /// Returns a host of a board that has started, with the job of `scene`.
+    fn host_of(&self, board: &mut Board, scene: &Scene) -> Result<Host> {
         let ticks = board.handled.len();
         let end = board.now() + SECOND;
         while board.handled.len() == ticks && board.now() < end {
             board.run(board.now() + MS)?;
         }
-        Host::new(&self.scene)
+        Host::new(scene)
     }
 
     /// Returns true if the scene has the drives that a case looks at.
@@ -134,6 +143,7 @@ impl Subject {
         match needs {
             Needs::Any => true,
             Needs::Update => self.update.is_some(),
+            Needs::SceneOverLine => self.update.is_some() && self.scene.service.scene_over_line,
             Needs::Steppers => matches!(kind, Some(DriveKind::Stepper(_))),
             Needs::Protection => self.has(Needs::Steppers) && self.kind == Kind::Stm32f405,
             Needs::Amplifiers => matches!(kind, Some(DriveKind::Bldc(_))),
