@@ -13,6 +13,7 @@ use crate::goals::{FollowArgs, GotoArgs, JogArgs, ParkArgs};
 use crate::grbl::GrblArgs;
 use crate::identify::IdentifyArgs;
 use crate::init::InitArgs;
+use crate::install::InstallArgs;
 use crate::key::KeyArgs;
 use crate::linkage::LinkageArgs;
 use crate::machine::{DisableArgs, DrivesArgs, EnableArgs, OutputArgs, ProbeArgs, ToolArgs};
@@ -76,6 +77,8 @@ pub enum Command {
     Update(UpdateArgs),
     /// Show the spare outputs and inputs of a machine, or switch an output
     Output(OutputArgs),
+    /// Bring a scene to a board over its line, without a new image
+    Install(InstallArgs),
     /// Move a machine to a pose, from rest or from any motion
     Goto(GotoArgs),
     /// Move a machine to the start of the scene's job, or to another pose, slowly

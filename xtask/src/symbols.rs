@@ -129,6 +129,11 @@ const MARKS: &[Mark] = &[
         used: |scene| scene.service.adjustable,
     },
     Mark {
+        what: "a scene from the line",
+        names: &["12stored_scene"],
+        used: |scene| scene.service.scene_over_line,
+    },
+    Mark {
         what: "feedback",
         names: &["12WithFeedback"],
         used: |scene| scene.feedback.is_some(),
@@ -279,6 +284,7 @@ mod tests {
                 "spare outputs or inputs",
             ),
             ("_RNv6levels4list10MoveLevels", "power lists"),
+            ("_RNv3app12stored_scene6played", "a scene from the line"),
             (
                 "_RNv8switches13RuledSwitches6closed",
                 "switches that close by rule",

@@ -31,6 +31,7 @@ mod manual_client;
 pub mod records;
 mod resume;
 pub mod runner;
+mod scene_image;
 pub mod transport;
 mod update_client;
 
@@ -43,4 +44,5 @@ pub use job_client::{
 };
 pub use manual_client::{ManualAction, ManualClient};
 pub use resume::{JobPlace, JobRest};
+pub use scene_image::SceneImage;
 pub use update_client::{ProgramImage, UpdateAction, UpdateClient, UpdateFailure};

@@ -58,6 +58,7 @@ mod tolerances;
 mod tool;
 mod tools;
 mod unplanned;
+mod values;
 mod visible;
 pub mod words;
 
@@ -102,4 +103,5 @@ pub use tools::{MountableTool, ToolRack};
 pub use trirrr_core;
 pub use trirrr_core::limits::LimitParameters as Limits;
 pub use unplanned::Unplanned;
+pub use values::values;
 pub use visible::{visible, visible_lines};

@@ -93,8 +93,9 @@ pub use pace::{MovePaces, Pace, Ramp};
 pub use planner::{PathPlanner, PathStep, Planning};
 pub use retreat::{NoRetreat, RetreatKind, Retreats, Trail};
 pub use scene::{
-    Adjustable, Compiled, ImageSlot, NoSlot, Parts, Put, Scene, Setup, Slot, Take, WithContact,
-    WithDigital, WithFeedback, WithHoming, WithInterlocks, WithLevels, WithUpdate,
+    Adjustable, Compiled, ImageSlot, NoSlot, Parts, Put, Scene, SceneValues, Setup, Slot,
+    StepperValues, Take, WithContact, WithDigital, WithFeedback, WithHoming, WithInterlocks,
+    WithLevels, WithUpdate, needs_of_model,
 };
 pub use service::{Played, Service};
 pub use settings::{PowerTimes, Reactions, SceneIdentity, Settings, StopCategory, key, name};

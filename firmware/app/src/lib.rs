@@ -50,6 +50,8 @@ pub mod scene;
 mod service;
 #[cfg(all(target_os = "none", drive = "stepper"))]
 pub mod slots;
+#[cfg(all(target_os = "none", scene_over_line))]
+mod stored_scene;
 #[cfg(target_os = "none")]
 mod tick;
 #[cfg(target_os = "none")]

@@ -7,7 +7,7 @@ mod refusal;
 
 pub use drive::{drive_state, not_enabled};
 pub use fault::fault;
-pub use refusal::refusal;
+pub use refusal::{refusal, scene_need};
 
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{

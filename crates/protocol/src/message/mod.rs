@@ -26,6 +26,7 @@ mod probe;
 mod refusal;
 mod report;
 pub mod scene;
+mod scene_types;
 mod state;
 mod telemetry;
 #[cfg(test)]
@@ -51,6 +52,7 @@ pub use report::{
     Cut, Event, Identity, Interruption, JobAccount, Message, MessageRef, NAME_CAPACITY, Reply,
     Status, Verdict,
 };
+pub use scene_types::{SCENE_KEYS, SceneHeader, SceneNeed, SceneNeeds, SceneRoom, SceneTypes};
 pub use state::{Acting, State};
 pub use telemetry::{Telemetry, TelemetryFields};
 pub use update::{

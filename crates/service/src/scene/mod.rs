@@ -117,6 +117,7 @@ mod levels;
 mod measured;
 mod slot;
 mod updated;
+mod values;
 
 pub use adjustable::Adjustable;
 pub use compiled::{Compiled, Parts};
@@ -128,6 +129,7 @@ pub use levels::WithLevels;
 pub use measured::WithFeedback;
 pub use slot::{NoSlot, Put, Slot, Take};
 pub use updated::{ImageSlot, WithUpdate};
+pub use values::{SceneValues, StepperValues, needs_of_model};
 
 use crate::coefficients::Coefficients;
 use crate::contact::{ContactChannels, ContactCoefficients};

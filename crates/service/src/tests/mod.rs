@@ -21,6 +21,7 @@ mod splice;
 mod states;
 mod threads;
 mod updates;
+mod values;
 
 use super::*;
 use crate::admission::Enclose;

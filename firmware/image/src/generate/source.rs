@@ -2,7 +2,7 @@
 
 use super::constant::constant;
 use super::kinds::Machine;
-use super::{COARSE, FIXED};
+use super::{COARSE, FIXED, over_line};
 use nalgebra::Vector3;
 use std::error::Error;
 use std::fmt::Write;
@@ -14,7 +14,8 @@ use trirrr_protocol::message::scene::{Section, SectionName};
 use trirrr_protocol::wire::schema::longest;
 use trirrr_scene::{NormalContact, RangeError, Scene, offer, units_of_scene};
 use trirrr_service::{
-    ContactCoefficients, FeedbackCoefficients, HomingCoefficients, ServiceNumber, Settings,
+    ContactCoefficients, FeedbackCoefficients, HomingCoefficients, SceneValues, ServiceNumber,
+    Settings, key,
 };
 
 /// The whole file, for the Rust type `scalar`, in the units that it needs. Every number is written
@@ -92,6 +93,15 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
         "trirrr_core::limits::LimitParameters",
     );
     file.constant("PARTS", &format!("{service}::Parts"), parts(scene)?);
+
+    if scene.service.scene_over_line {
+        let types = over_line::types(scene, scalar)?;
+        // Scenes that an image of another scene or other types has taken are none of this one.
+        let owner = format!("{types:?} {} {}", scene.key, SceneValues::LAYOUT);
+        file.constant("SCENE_OWNER", "u32", key(owner.as_bytes()).to_string());
+        let types_type = "trirrr_protocol::message::SceneTypes";
+        file.constant("TYPES", types_type, constant(&types));
+    }
 
     if let Some(homing) = &scene.homing {
         let parameters = homing.parameters(scene, &units)?;

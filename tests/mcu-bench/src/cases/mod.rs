@@ -3,6 +3,7 @@
 mod amplifiers;
 mod can;
 mod failures;
+mod install;
 mod job;
 mod line;
 mod power_up;
@@ -58,6 +59,8 @@ pub(crate) enum Needs {
     Update,
     /// No drives at all.
     NoDrives,
+    /// None: the image takes scenes over the line.
+    SceneOverLine,
 }
 
 /// Case of the bench.
@@ -74,7 +77,7 @@ impl Case {
 }
 
 /// All cases.
-pub(crate) const CASES: [Case; 22] = [
+pub(crate) const CASES: [Case; 23] = [
     Case::of("power-up", Needs::Any, power_up::rest),
     Case::of("crystal", Needs::Any, power_up::crystal),
     Case::of("job", Needs::Steppers, job::run),
@@ -97,6 +100,7 @@ pub(crate) const CASES: [Case; 22] = [
     Case::of("update", Needs::Update, update::run),
     Case::of("line", Needs::NoDrives, line::damaged),
     Case::of("late", Needs::NoDrives, line::late),
+    Case::of("install", Needs::SceneOverLine, install::run),
 ];
 
 impl Subject {
@@ -125,12 +129,17 @@ impl Subject {
 
     /// Returns a host of a board that has started.
     fn host(&self, board: &mut Board) -> Result<Host> {
+        self.host_of(board, &self.scene)
+    }
+
+    /// Returns a host of a board that has started, with the job of `scene`.
+    fn host_of(&self, board: &mut Board, scene: &Scene) -> Result<Host> {
         let ticks = board.handled.len();
         let end = board.now() + SECOND;
         while board.handled.len() == ticks && board.now() < end {
             board.run(board.now() + MS)?;
         }
-        Host::new(&self.scene)
+        Host::new(scene)
     }
 
     /// Returns true if the scene has the drives that a case looks at.
@@ -139,6 +148,7 @@ impl Subject {
         match needs {
             Needs::Any => true,
             Needs::Update => self.update.is_some(),
+            Needs::SceneOverLine => self.update.is_some() && self.scene.service.scene_over_line,
             Needs::Steppers => matches!(kind, Some(DriveKind::Stepper(_))),
             Needs::Protection => self.has(Needs::Steppers) && self.kind == Kind::Stm32f405,
             Needs::Amplifiers => matches!(kind, Some(DriveKind::Bldc(_))),
