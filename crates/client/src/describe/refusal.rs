@@ -199,7 +199,7 @@ pub fn scene_need(need: SceneNeed) -> &'static str {
         }
         SceneNeed::Brake => "its brake (brake in [power], there or not)",
         SceneNeed::ToolOutput => "its output to the tool ([tool])",
-        SceneNeed::Inputs => "its inputs ([inputs])",
+        SceneNeed::Inputs => "its inputs, or spare inputs and outputs ([inputs], [io])",
         SceneNeed::Lamp => "its status lamp (there or not)",
         SceneNeed::Homing => {
             "its kind of homing ([homing], there or not, kind and level of its switches)"

@@ -40,7 +40,7 @@ pub enum SceneNeed {
     Brake,
     /// Another output to the tool.
     ToolOutput,
-    /// Other inputs.
+    /// Other inputs, or spare inputs and outputs.
     Inputs,
     /// Another lamp.
     Lamp,

@@ -64,7 +64,7 @@ pub(super) fn types(scene: &Scene, scalar: &str) -> Result<SceneTypes, Box<dyn E
         drives(scene, scalar)?,
         scene.power.has_brake.to_string(),
         tool::tool(scene),
-        format!("{:?}", scene.inputs),
+        format!("{:?} {:?}", scene.inputs, scene.spare_pins),
         scene.has_lamp.to_string(),
         format!("{homing:?}"),
         scene.feedback.is_some().to_string(),
