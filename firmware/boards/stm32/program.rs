@@ -30,6 +30,10 @@ mod app {
     use trirrr_app::{Background, Channels, Tick, TickClock, period};
     use trirrr_protocol::message::{Board, Clock};
 
+    // RTIC names the types of all resources, of those too that an image does not have.
+    #[cfg(not(usb))]
+    type PacketReceiver = ();
+
     /// What the background receives from.
     #[cfg(usb)]
     type LineReceiver = heapless::spsc::Consumer<'static, u8>;
