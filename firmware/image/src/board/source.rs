@@ -340,7 +340,10 @@ mod tests {
         ] {
             assert!(text.contains(part), "{part}: {text}");
         }
-        let odd = |text: String| text.replace("output = \"GP16\"", "output = \"GP26\"");
+        let odd = |text: String| {
+            let text = text.replace("\"GP26\"", "\"GP16\"");
+            text.replace("output = \"GP16\"", "output = \"GP26\"")
+        };
         assert!(of("pico", odd, &needs).contains("ToolPwm = rp2040_hal::pwm::Pwm5;"));
         assert!(!of("pico", |text| text, &nothing()).contains("ToolPwm"));
     }
