@@ -1,7 +1,8 @@
 //! Sends a machine to goals: the newest goal that is wanted, as soon as the machine takes one.
 
+use crate::conversation::Conversation;
 use crate::describe::{self, Units};
-use crate::exchange::{Exchange, Patience, Turn};
+use crate::exchange::{Patience, Turn};
 use crate::job_client::UserCommand;
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -47,10 +48,7 @@ pub enum GoalFailure<N: Transmit> {
 /// Client that sends a machine to goals, without a port and a clock of its own.
 #[derive(Clone, Debug)]
 pub struct GoalClient<N: Transmit> {
-    exchange: Exchange<N>,
-    hello: Hello,
-    identity: Option<Identity>,
-    status: Option<Status<N>>,
+    conversation: Conversation<N>,
     /// The newest goal that the machine has not taken.
     wanted: Option<Goal<N>>,
     orders: VecDeque<UserCommand>,
@@ -62,7 +60,6 @@ pub struct GoalClient<N: Transmit> {
     refused: Option<Violation<N>>,
     look: Duration,
     pause: Duration,
-    greeted: bool,
     /// The client has enabled the machine.
     is_enabled: bool,
     result: Option<Result<(), GoalFailure<N>>>,
@@ -92,10 +89,7 @@ impl<N: Transmit> GoalClient<N> {
     /// number `conversation`.
     pub fn new(hello: Hello, patience: Patience, conversation: u32) -> Self {
         Self {
-            exchange: Exchange::new(patience, conversation),
-            hello,
-            identity: None,
-            status: None,
+            conversation: Conversation::new(hello, patience, conversation),
             wanted: None,
             orders: VecDeque::new(),
             is_last: false,
@@ -103,7 +97,6 @@ impl<N: Transmit> GoalClient<N> {
             refused: None,
             look: Duration::ZERO,
             pause: Duration::ZERO,
-            greeted: false,
             is_enabled: false,
             result: None,
         }
@@ -130,12 +123,12 @@ impl<N: Transmit> GoalClient<N> {
 
     /// Returns the identity of the machine that answered.
     pub fn identity(&self) -> Option<&Identity> {
-        self.identity.as_ref()
+        self.conversation.identity()
     }
 
     /// Returns the last status.
     pub fn status(&self) -> Option<&Status<N>> {
-        self.status.as_ref()
+        self.conversation.status()
     }
 
     /// Returns true while the machine has not taken the goal that is wanted.
@@ -150,8 +143,7 @@ impl<N: Transmit> GoalClient<N> {
 
     /// Begins the conversation again on a port that was opened anew.
     pub fn reconnected(&mut self) {
-        self.greeted = false;
-        self.exchange.forget();
+        self.conversation.reconnected();
     }
 
     /// Returns the next act at `now`, counted from any start and never going back.
@@ -160,13 +152,12 @@ impl<N: Transmit> GoalClient<N> {
             if let Some(result) = self.result {
                 return GoalAction::Finished(result);
             }
-            match self.exchange.poll(now) {
+            match self.conversation.poll(now) {
                 Turn::Send(request) => return GoalAction::Send(request),
                 Turn::Wait(until) => return GoalAction::Wait(until),
                 Turn::Silent => return GoalAction::Lost,
-                Turn::Free if !self.greeted => self.exchange.greet(self.hello, now),
                 Turn::Free => match self.next(now) {
-                    Some(command) => self.exchange.ask(command, now),
+                    Some(command) => self.conversation.ask(command, now),
                     None if self.result.is_some() => {}
                     None => return GoalAction::Wait(self.look),
                 },
@@ -176,7 +167,7 @@ impl<N: Transmit> GoalClient<N> {
 
     /// The next command, if there is something to say at `now`.
     fn next(&mut self, now: Duration) -> Option<Command<N>> {
-        let Some(status) = self.status.filter(|_| now < self.look) else {
+        let Some(status) = self.status().copied().filter(|_| now < self.look) else {
             return Some(Command::Status);
         };
         if let Some(order) = self.orders.pop_front() {
@@ -216,15 +207,11 @@ impl<N: Transmit> GoalClient<N> {
             self.look = self.look.min(now);
             return;
         }
-        let Some((Request { command, .. }, reply)) = self.exchange.receive(message) else {
+        let Some((command, reply)) = self.conversation.receive(message) else {
             return;
         };
         match reply {
-            Reply::Hello(identity) => {
-                self.greeted = true;
-                self.identity = Some(identity);
-                self.look = now;
-            }
+            Reply::Hello(_) => self.look = now,
             Reply::Status(status) => self.on_status(status, now),
             Reply::Done => {
                 if let Command::Retarget(goal) = command
@@ -243,7 +230,7 @@ impl<N: Transmit> GoalClient<N> {
 
     fn on_status(&mut self, status: Status<N>, now: Duration) {
         self.look = now + STATUS_EVERY;
-        let before = self.status.replace(status);
+        let before = self.conversation.keep(status);
         if let Some(fault) = status.fault {
             self.result = Some(Err(GoalFailure::Fault(fault)));
             return;
@@ -273,9 +260,6 @@ impl<N: Transmit> GoalClient<N> {
 
     fn on_refusal(&mut self, command: &Command<N>, refusal: Refusal<N>, now: Duration) {
         match (command, refusal) {
-            (_, Refusal::HelloFirst | Refusal::Sequence { .. } | Refusal::SequenceReused) => {
-                self.greeted = false;
-            }
             // Not yet.
             (
                 _,

@@ -20,6 +20,7 @@
 #![forbid(unsafe_code)]
 
 mod approach;
+mod conversation;
 pub mod describe;
 pub mod drive_records;
 pub mod exchange;

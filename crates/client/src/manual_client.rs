@@ -1,6 +1,7 @@
 //! Keeps an eye on a machine, and sends the commands that a person gives by hand.
 
-use crate::exchange::{Exchange, Patience, Turn};
+use crate::conversation::Conversation;
+use crate::exchange::{Patience, Turn};
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_protocol::message::{
@@ -29,18 +30,14 @@ pub enum ManualAction<N: Transmit> {
 /// It gives no command by itself, but for samples: no machine is switched on or moved before a person asks for it.
 #[derive(Clone, Debug)]
 pub struct ManualClient<N: Transmit> {
-    exchange: Exchange<N>,
-    hello: Hello,
+    conversation: Conversation<N>,
     /// Ticks from one sample to the next, of the motors and of the drives.
     samples: u16,
-    identity: Option<Identity>,
-    status: Option<Status<N>>,
     /// Commands that wait.
     commands: VecDeque<Command<N>>,
     /// Refusals of commands that the owner has not taken.
     refused: VecDeque<Refusal<N>>,
     look: Duration,
-    greeted: bool,
     /// Reason for which the machine does not talk.
     closed: Option<Refusal<N>>,
 }
@@ -50,15 +47,11 @@ impl<N: Transmit> ManualClient<N> {
     /// Another conversation with the machine should have another number `conversation`.
     pub fn new(hello: Hello, samples: u16, patience: Patience, conversation: u32) -> Self {
         Self {
-            exchange: Exchange::new(patience, conversation),
-            hello,
+            conversation: Conversation::new(hello, patience, conversation),
             samples,
-            identity: None,
-            status: None,
             commands: VecDeque::new(),
             refused: VecDeque::new(),
             look: Duration::ZERO,
-            greeted: false,
             closed: None,
         }
     }
@@ -70,12 +63,12 @@ impl<N: Transmit> ManualClient<N> {
 
     /// Returns the identity of the machine that answered.
     pub fn identity(&self) -> Option<&Identity> {
-        self.identity.as_ref()
+        self.conversation.identity()
     }
 
     /// Returns the last status.
     pub fn status(&self) -> Option<&Status<N>> {
-        self.status.as_ref()
+        self.conversation.status()
     }
 
     /// Takes the reason out for which the oldest of the commands was refused.
@@ -86,9 +79,8 @@ impl<N: Transmit> ManualClient<N> {
     /// Begins the conversation again on a port that was opened anew. Commands that wait are dropped: the user gave them to what was there
     /// before.
     pub fn reconnected(&mut self) {
-        self.greeted = false;
         self.commands.clear();
-        self.exchange.forget();
+        self.conversation.reconnected();
     }
 
     /// Returns the next act at `now`, counted from any start and never going back.
@@ -97,20 +89,23 @@ impl<N: Transmit> ManualClient<N> {
             if let Some(refusal) = self.closed {
                 return ManualAction::Refused(refusal);
             }
-            match self.exchange.poll(now) {
+            match self.conversation.poll(now) {
                 Turn::Send(request) => return ManualAction::Send(request),
                 Turn::Silent => return ManualAction::Lost,
                 // A stop does not wait for the answer to a question.
                 Turn::Wait(until) => {
-                    match self.exchange.has_room().then(|| self.commands.pop_front()) {
-                        Some(Some(command)) => self.exchange.ask(command, now),
+                    match self
+                        .conversation
+                        .has_room()
+                        .then(|| self.commands.pop_front())
+                    {
+                        Some(Some(command)) => self.conversation.ask(command, now),
                         _ => return ManualAction::Wait(until),
                     }
                 }
-                Turn::Free if !self.greeted => self.exchange.greet(self.hello, now),
                 Turn::Free => match self.commands.pop_front() {
-                    Some(command) => self.exchange.ask(command, now),
-                    None if now >= self.look => self.exchange.ask(Command::Status, now),
+                    Some(command) => self.conversation.ask(command, now),
+                    None if now >= self.look => self.conversation.ask(Command::Status, now),
                     None => return ManualAction::Wait(self.look),
                 },
             }
@@ -121,19 +116,19 @@ impl<N: Transmit> ManualClient<N> {
     pub fn receive(&mut self, message: &Message<N>, now: Duration) {
         if let Message::Event(event) = message {
             // An event is a hint: the status says what holds.
-            if let (Event::State { state, acting, .. }, Some(status)) = (event, &mut self.status) {
+            if let (Event::State { state, acting, .. }, Some(status)) =
+                (event, self.conversation.status_mut())
+            {
                 (status.state, status.acting) = (*state, *acting);
             }
             self.look = self.look.min(now);
             return;
         }
-        let Some((Request { command, .. }, reply)) = self.exchange.receive(message) else {
+        let Some((command, reply)) = self.conversation.receive(message) else {
             return;
         };
         match reply {
-            Reply::Hello(identity) => {
-                self.greeted = true;
-                self.identity = Some(identity);
+            Reply::Hello(_) => {
                 self.look = now;
                 // Before whatever waits: a command shows in the samples.
                 self.commands.push_front(Command::Drives {
@@ -146,16 +141,12 @@ impl<N: Transmit> ManualClient<N> {
             }
             Reply::Status(status) => {
                 self.look = now + STATUS_EVERY;
-                self.status = Some(status);
+                self.conversation.keep(status);
             }
             // What it changes, the next status says.
             Reply::Done => self.look = now,
             Reply::Refused(refusal) => match (command, refusal) {
                 (Command::Hello(_), refusal) => self.closed = Some(refusal),
-                // The machine was switched off and on, or another client came between. The command is not given again.
-                (_, Refusal::HelloFirst | Refusal::Sequence { .. } | Refusal::SequenceReused) => {
-                    self.greeted = false;
-                }
                 // Its image tells nothing of its drives.
                 (Command::Drives { .. }, Refusal::NoFeedback) => {}
                 (_, refusal) => {

@@ -104,11 +104,20 @@ impl<N: Transmit> JobClient<N> {
 
     /// Watches the way to the start. A machine that waits for its host there is resumed.
     fn watch_way(&mut self, now: Duration) -> Next<N> {
-        let is_free = self.exchange.open().next().is_none();
-        if is_free && self.status.as_ref().is_some_and(Status::waits_for_host) {
-            return Next::Ask(Command::Resume);
+        match self.has_to_resume() {
+            true => Next::Ask(Command::Resume),
+            false => self.watch(now),
         }
-        self.watch(now)
+    }
+
+    /// Returns true if nothing is in flight.
+    fn is_free(&self) -> bool {
+        self.exchange.open().next().is_none()
+    }
+
+    /// Returns true if the machine waits for its host, and nothing is in flight.
+    fn has_to_resume(&self) -> bool {
+        self.is_free() && self.status.as_ref().is_some_and(Status::waits_for_host)
     }
 
     /// Passes on what the user commands, and asks for the status in time.
@@ -136,10 +145,10 @@ impl<N: Transmit> JobClient<N> {
             Next::Listen(look) if !self.user.has_stopped && now >= self.schedule.pause() => look,
             next => return next,
         };
-        let is_free = self.exchange.open().next().is_none();
-        if is_free && self.status.as_ref().is_some_and(Status::waits_for_host) {
+        if self.has_to_resume() {
             return Next::Ask(Command::Resume);
         }
+        let is_free = self.is_free();
         match self.progress.next_offer() {
             // The machine does not say for how many pieces it has room.
             Some(offer) if is_free || !self.progress.is_path() => {

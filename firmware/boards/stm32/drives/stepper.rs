@@ -2,6 +2,7 @@
 
 use super::DriveParts;
 use crate::board::{self, DirectionOutput, StepOutput};
+use crate::clock::FAST;
 use crate::parts::Rcc;
 use crate::timers::SlotCounter;
 use crate::wiring::BoardPin;
@@ -16,8 +17,14 @@ use trirrr_drives::stepper::{Axis, Slots, Steppers};
 use trirrr_drives::{Active, Enable, Failure};
 use trirrr_protocol::message::DriveFault;
 
-/// Least cycles of the core between two slots, three times those of one slot: fewer would starve the tick.
-const LEAST_CYCLES: u32 = 400;
+/// Least cycles of the core between two slots: fewer would starve the tick, and cut pulses short. The slot that takes new positions runs
+/// for up to 555 (`cargo xtask bench --g474 inputs/guarded`).
+const LEAST_CYCLES: u32 = 800;
+
+const _: () = assert!(
+    FAST.core / SLOT_HZ >= LEAST_CYCLES,
+    "step_rate_limit_hz of the scene: the core is too slow for two slots for each step and two more in each tick"
+);
 
 /// Drives, as the tick sees them.
 pub(crate) struct CheckedSteppers {

@@ -305,12 +305,12 @@ fn times_of_a_driver_fit_between_two_slots() {
         let text = refusal(changed(from, to, &stepping));
         assert!(
             text.contains(key)
-                && text.contains("the steppers of scenes/own.toml have 21.88 us for it")
+                && text.contains("the steppers of scenes/own.toml have 21.76 us for it")
                 && text.contains("41001 slots per second of 24.38 us"),
             "{text}"
         );
     }
-    // 32.5 us are 30.8 slots in a tick: 14 steps, and a slot more.
+    // 32.6 us are 30.7 slots in a tick: 14 steps, and a slot more.
     let text = refusal(changed("hold_us = 1\n", "hold_us = 30\n", &stepping));
     assert!(
         text.contains("step_rate_limit_hz of 14000 leaves time"),

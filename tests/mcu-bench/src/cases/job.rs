@@ -20,6 +20,16 @@ pub(super) const FIRST_TICK: u32 = 1;
 /// Microsteps that a pulse may be away from the straight line between the positions of two ticks.
 const MOST_OFF: f64 = 1.0;
 
+/// Cycles of the core by which an edge may come late, against the next one at its driver: the build checks the times of a board file
+/// with them (`firmware/image/src/board/clock.rs`).
+const LATE_CYCLES: Time = 440;
+
+/// Least cycles from one slot to the next: an image refuses fewer (`firmware/boards/stm32/drives/stepper.rs`).
+const SLOT_CYCLES: Time = 800;
+
+/// Share of the core's time that slots may take.
+const SLOT_SHARE: f64 = 0.5;
+
 pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
     let mut board = subject.switch_on()?;
     let mut host = subject.host(&mut board)?;
@@ -74,8 +84,11 @@ struct Played {
     ticks: Vec<PlayedTick>,
     /// Samples that are missing since the first step.
     missing: u32,
-    /// Beginnings of the slots.
+    /// Beginnings of the slots,
     slots: Vec<Time>,
+    /// the longest run of one, and the mean.
+    longest_slot: Time,
+    mean_slot: f64,
     /// Slots of a tick.
     per_tick: u32,
     /// Angles of the motors at rest: from here on the drive counts.
@@ -146,11 +159,17 @@ impl Played {
             .first()
             .map(|sample| sample.angles)
             .context("a sample")?;
+        let runs = of(16 + TIM7).map(|slot| slot.end - slot.begin);
+        let (longest_slot, total): (Time, Time) = runs.fold((0, 0), |(longest, total), run| {
+            (longest.max(run), total + run)
+        });
         let mut slots: Vec<Time> = of(16 + TIM7).map(|slot| slot.begin).collect();
         // Recorded by their ends: a slot never preempts another.
         slots.sort_unstable();
         Ok(Self {
             ticks,
+            longest_slot,
+            mean_slot: total as f64 / slots.len().max(1) as f64,
             slots,
             missing,
             per_tick: per_tick(subject)?,
@@ -327,6 +346,34 @@ fn steps(subject: &Subject, board: &Board, played: &Played) -> Result<Vec<Row>> 
         measured: time(first_step),
         bound: format!("≥ {}", time(bound)),
         holds: first_step >= bound,
+    });
+    for (what, measured, bound) in [
+        (
+            "an edge late by at most",
+            slot.saturating_sub(shortest),
+            LATE_CYCLES,
+        ),
+        ("the longest run", played.longest_slot, SLOT_CYCLES),
+    ] {
+        let cycles = measured.div_ceil(board.core_period());
+        rows.push(Row {
+            case: "job",
+            subject: format!("slots: {what}"),
+            measured: format!("{cycles} cycles"),
+            bound: format!("≤ {bound} cycles"),
+            holds: cycles <= bound,
+        });
+    }
+    let share = played.mean_slot / slot as f64;
+    rows.push(Row {
+        case: "job",
+        subject: format!(
+            "slots: share of the core's time, {:.0} cycles for each",
+            played.mean_slot / board.core_period() as f64
+        ),
+        measured: format!("{:.1} %", share * 100.0),
+        bound: format!("≤ {:.0} %", SLOT_SHARE * 100.0),
+        holds: share <= SLOT_SHARE,
     });
     Ok(rows)
 }
