@@ -4,7 +4,7 @@ use crate::arguments::SetArgs;
 use crate::failure::CliError;
 use crate::stream::{PortArgs, conversation, patience};
 use crate::terminal::print;
-use crate::update::{PATIENCE, Words, bring};
+use crate::update::{PATIENCE, UpdateWords, bring};
 use clap::Args;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
@@ -50,7 +50,7 @@ pub fn command(args: &InstallArgs, stop: &AtomicBool) -> Result<(), CliError> {
         image.header().length
     ))?;
     let client = UpdateClient::of_scene(image, patience(PATIENCE), conversation());
-    let words = Words {
+    let words = UpdateWords {
         waiting: "the board starts with it",
         ended: "the board keeps its scene, or has this one whole: a hello tells",
     };

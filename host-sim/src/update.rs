@@ -53,15 +53,15 @@ pub fn command(args: &UpdateArgs, stop: &AtomicBool) -> Result<(), CliError> {
     ))?;
     // Nothing of this conversation depends on the number type of the machine.
     let client = UpdateClient::<f64>::new(image, patience(PATIENCE), conversation());
-    let words = Words {
+    let words = UpdateWords {
         waiting: "the board installs it",
         ended: "the board keeps its program",
     };
     bring(client, &args.line, &words, &|_| Ok(()), stop)
 }
 
-/// Words for a person.
-pub(crate) struct Words {
+/// Words of an update for a person.
+pub(crate) struct UpdateWords {
     /// While the board starts anew.
     pub(crate) waiting: &'static str,
     /// After Ctrl-C.
@@ -76,7 +76,7 @@ pub(crate) struct Words {
 pub(crate) fn bring(
     mut client: UpdateClient<f64>,
     line: &PortArgs,
-    words: &Words,
+    words: &UpdateWords,
     check: &dyn Fn(&Identity) -> Result<(), CliError>,
     stop: &AtomicBool,
 ) -> Result<(), CliError> {

@@ -52,7 +52,7 @@ pub(crate) struct StandingFlash(ChipFlash);
 impl StandingFlash {
     /// Only for the background, for the time of a request, and for the start.
     pub(crate) fn take() -> Self {
-        // SAFETY: the background alone takes it, one at a time, and the slots hold no code that runs.
+        // SAFETY: the start and then the background alone take it, one at a time, and the slots hold no code that runs.
         Self(unsafe { ChipFlash::take() })
     }
 }
