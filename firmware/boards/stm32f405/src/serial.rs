@@ -8,7 +8,6 @@ use core::convert::Infallible;
 use embedded_hal_nb::serial::{ErrorType, Write};
 use stm32f4xx_hal::gpio::PushPull;
 use stm32f4xx_hal::gpio::alt::SerialAsync;
-use stm32f4xx_hal::pac::usart1;
 use stm32f4xx_hal::rcc::{Enable, Rcc};
 use trirrr_app::{BAUD, LOG_BAUD};
 
@@ -36,13 +35,15 @@ pub(crate) fn start(
         w.dmat().enabled()
     });
     set_bauds(clocks, BAUD, LOG_BAUD);
-    for port in [&line.0, &log.0] as [&usart1::RegisterBlock; 2] {
-        port.cr1().write(|w| {
-            w.te().enabled();
-            w.ue().enabled()
-        });
-    }
-    line.0.cr1().modify(|_, w| w.re().enabled());
+    line.0.cr1().write(|w| {
+        w.re().enabled();
+        w.te().enabled();
+        w.ue().enabled()
+    });
+    log.0.cr1().write(|w| {
+        w.te().enabled();
+        w.ue().enabled()
+    });
     (transmitter, receiver, LogTransmitter(log.0))
 }
 
