@@ -17,14 +17,14 @@ use trirrr_scene::{DriveKind, Scene};
 const G474_BOARD: &str = "nucleo-g474re";
 
 /// Scenes without names, before [`UPDATED`]: a laser on steppers with an emergency stop, a longer job, drives with encoders, drives on a bus, the same
-/// on CAN FD, and no drives at all.
+/// on CAN FD, and the line alone, without drives.
 const SCENES: [&str; 6] = [
     "inputs/guarded",
     "engraving",
     "bldc-massless",
     "plant-odrive",
     "plant-moteus",
-    "thesis",
+    "chained",
 ];
 
 /// An image that is replaced over the line, and the one that takes its place.

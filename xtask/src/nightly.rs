@@ -209,6 +209,12 @@ fn steps() -> Result<Vec<Step>> {
             ],
         ),
         Step::chore("pins of flashed images", &["bench"])?,
+        Step::chore(
+            "a bad line of the STM32G474",
+            &[
+                "bench", "--g474", "chained", "--case", "line", "--case", "late",
+            ],
+        )?,
         Step::chore("pins of the RP2040's image", &["rp2040", "--run"])?,
         over_usb("fw"),
         over_usb("fw-g474"),

@@ -2,7 +2,7 @@
 //!
 //! The receiver's DMA fills its ring round after round. An interrupt counts the rounds, so the number of bytes that have come is exact at any time,
 //! and a background that was late by a round knows how many it has missed. It looks at that number in each of its turns, and needs
-//! no interrupt at a byte, nor where the line falls idle. The transmitter's DMA sends what the background has put beside each other, a frame, while that makes the next one.
+//! no interrupt at a byte, nor where the line falls idle. The transmitter's DMA sends one half while the background fills the other.
 
 use crate::dma;
 use crate::parts::Rcc;
@@ -11,20 +11,17 @@ use core::sync::atomic::{AtomicU8, AtomicU32, Ordering, compiler_fence};
 use embedded_hal_nb::serial::{ErrorType, Write};
 use trirrr_app::ReceivedBytes;
 
-/// Bytes that a DMA and the background share.
-pub(crate) type SharedBytes = [AtomicU8];
-
 /// Places of the receiver, bytes. At 921,600 baud they last for 11 ms. The size of a round divides the 2^32 at which counts begin anew.
 const ROOM: usize = 1024;
 
 /// The same as a count.
-pub(crate) const ROUND: u32 = ROOM as u32;
+const ROUND: u32 = ROOM as u32;
 
-/// Places of the transmitter, bytes: most frames are shorter. The rest of a longer one follows.
-const FRAME: usize = 256;
+/// Places in each half of the transmitter, bytes. A longer frame leaves in two parts.
+const HALF: usize = 160;
 
 static COMING: [AtomicU8; ROOM] = [const { AtomicU8::new(0) }; ROOM];
-static LEAVING: [AtomicU8; FRAME] = [const { AtomicU8::new(0) }; FRAME];
+static LEAVING: [[AtomicU8; HALF]; 2] = [const { [const { AtomicU8::new(0) }; HALF] }; 2];
 
 /// Rounds that the receiver's DMA has ended, modulo 2^32.
 static ROUNDS: AtomicU32 = AtomicU32::new(0);
@@ -34,8 +31,11 @@ static MISSED: AtomicU32 = AtomicU32::new(0);
 
 /// Starts the DMA of the port whose data registers, of receiver and transmitter, are at these addresses.
 pub(crate) fn start(data: [u32; 2], rcc: &mut Rcc) -> (LineTransmitter, LineReceiver) {
-    dma::start([&COMING, &LEAVING], data, rcc);
-    let transmitter = LineTransmitter { waiting: 0 };
+    dma::start(&COMING, data, rcc);
+    let transmitter = LineTransmitter {
+        half: &LEAVING[0],
+        waiting: 0,
+    };
     let receiver = LineReceiver { come: 0, read: 0 };
     (transmitter, receiver)
 }
@@ -64,18 +64,20 @@ impl LineReceiver {
     /// Returns the number of bytes that have come, modulo 2^32.
     #[inline(never)]
     fn look() -> u32 {
-        while dma::is_there() {
-            let rounds = ROUNDS.load(Ordering::Relaxed);
-            in_order();
-            let left = dma::left();
-            // A round that ends meanwhile belongs to one of both numbers, and it is not known to which.
-            let is_over = dma::is_round_over();
-            in_order();
-            if !is_over && ROUNDS.load(Ordering::Relaxed) == rounds {
-                return rounds
-                    .wrapping_add(1)
-                    .wrapping_mul(ROUND)
-                    .wrapping_sub(left);
+        if dma::is_there() {
+            loop {
+                let rounds = ROUNDS.load(Ordering::Relaxed);
+                in_order();
+                let left = dma::left();
+                // A round that ends meanwhile belongs to one of both numbers, and it is not known to which.
+                let is_over = dma::is_round_over();
+                in_order();
+                if !is_over && ROUNDS.load(Ordering::Relaxed) == rounds {
+                    return rounds
+                        .wrapping_add(1)
+                        .wrapping_mul(ROUND)
+                        .wrapping_sub(left);
+                }
             }
         }
         // In an emulator nobody moves bytes but this function, one at a time, and bytes are counted for rounds.
@@ -120,9 +122,10 @@ impl ReceivedBytes for LineReceiver {
     }
 }
 
-/// Transmitter of the line: bytes are put beside each other, and leave together when they are flushed.
+/// Transmitter of the line: frames are put beside each other while those before are being sent.
 pub(crate) struct LineTransmitter {
-    /// Bytes that wait for it. None while others are being sent.
+    /// Half that is being filled, and the bytes in it.
+    half: &'static [AtomicU8; HALF],
     waiting: usize,
 }
 
@@ -138,24 +141,26 @@ impl Write<u8> for LineTransmitter {
             dma::put_without(byte);
             return Ok(());
         }
-        match LEAVING.get(self.waiting) {
-            Some(place) if !dma::is_sending() => {
-                place.store(byte, Ordering::Relaxed);
-                self.waiting += 1;
-                Ok(())
-            }
-            _ => Err(nb::Error::WouldBlock),
-        }
+        let place = self.half.get(self.waiting);
+        let place = place.ok_or(nb::Error::WouldBlock)?;
+        place.store(byte, Ordering::Relaxed);
+        self.waiting += 1;
+        Ok(())
     }
 
     fn flush(&mut self) -> nb::Result<(), Infallible> {
-        if let Some(bytes @ [_, ..]) = LEAVING.get(..self.waiting) {
+        if dma::is_sending() {
+            return Err(nb::Error::WouldBlock);
+        }
+        if let Some(bytes @ [_, ..]) = self.half.get(..self.waiting) {
             dma::send(bytes);
+            let [first, second] = &LEAVING;
+            self.half = match core::ptr::eq(self.half, first) {
+                true => second,
+                false => first,
+            };
             self.waiting = 0;
         }
-        match dma::is_sending() {
-            true => Err(nb::Error::WouldBlock),
-            false => Ok(()),
-        }
+        Ok(())
     }
 }

@@ -4,7 +4,6 @@ use crate::board::{
     LINE_CONTROLLER, LINE_RECEIVE_REQUEST, LINE_RECEIVE_STREAM, LINE_TRANSMIT_REQUEST,
     LINE_TRANSMIT_STREAM,
 };
-use crate::line::{ROUND, SharedBytes};
 use crate::parts::Rcc;
 use core::sync::atomic::{AtomicU8, Ordering, fence};
 use stm32_metapac::bdma::vals::Dir;
@@ -23,9 +22,8 @@ const fn transmitter() -> Ch {
     LINE_CONTROLLER.ch(TRANSMIT)
 }
 
-/// Starts to receive into the first of `memories`, and sets the transmitter up to send from the second. `data` are the addresses of the port's
-/// data, of receiver and transmitter.
-pub(crate) fn start(memories: [&'static SharedBytes; 2], data: [u32; 2], _: &mut Rcc) {
+/// Starts to receive into `ring`, and sets the transmitter up. `data` are the addresses of the port's data, of receiver and transmitter.
+pub(crate) fn start(ring: &'static [AtomicU8], data: [u32; 2], _: &mut Rcc) {
     RCC.ahb1enr().modify(|w| {
         w.set_dma1en(true);
         w.set_dmamux1en(true);
@@ -37,21 +35,22 @@ pub(crate) fn start(memories: [&'static SharedBytes; 2], data: [u32; 2], _: &mut
     ] {
         DMAMUX1.ccr(channel).write(|w| w.set_dmareq_id(request));
     }
-    for ((channel, data), memory) in [receiver(), transmitter()]
-        .into_iter()
-        .zip(data)
-        .zip(memories)
-    {
+    for (channel, data) in [receiver(), transmitter()].into_iter().zip(data) {
         channel.par().write_value(data);
-        channel.mar().write_value(memory.as_ptr() as u32);
     }
-    receiver().ndtr().write(|w| w.set_ndt(ROUND as u16));
+    set_memory(receiver(), ring);
     receiver().cr().write(|w| {
         w.set_minc(true);
         w.set_circ(true);
         w.set_tcie(true);
         w.set_en(true);
     });
+}
+
+/// Gives a channel that is off its memory.
+fn set_memory(channel: Ch, bytes: &'static [AtomicU8]) {
+    channel.mar().write_value(bytes.as_ptr() as u32);
+    channel.ndtr().write(|w| w.set_ndt(bytes.len() as u16));
 }
 
 /// Returns true: no emulator of this chip is without.
@@ -88,13 +87,11 @@ pub(crate) fn is_sending() -> bool {
     transmitter().ndtr().read().ndt() != 0
 }
 
-/// Sends `bytes`, from the beginning of the memory of the [start]. Only while nothing [is being sent](is_sending).
+/// Sends `bytes`. Only while no others [are being sent](is_sending).
 pub(crate) fn send(bytes: &'static [AtomicU8]) {
-    // It stays on at its end, and takes a number only while it is off.
+    // It stays on at its end, and takes a memory only while it is off.
     transmitter().cr().write_value(regs::Cr(0));
-    transmitter()
-        .ndtr()
-        .write(|w| w.set_ndt(bytes.len() as u16));
+    set_memory(transmitter(), bytes);
     // The bytes are in the memory before the DMA looks.
     fence(Ordering::Release);
     transmitter().cr().write(|w| {

@@ -14,7 +14,7 @@ use stm32f4xx_hal::pac::{TIM3, usart1};
 /// Sets the baud rates of line and log.
 #[cfg(not(usb))]
 pub(super) fn set_bauds(clocks: &Clocks, line: u32, log: u32) {
-    // SAFETY: the HAL has configured both ports, and no byte is under way.
+    // SAFETY: both ports are off: no byte is under way.
     let ports = unsafe { (&*LinePort::ptr(), &*LogPort::ptr()) };
     set_baud(ports.0, clocks.bus(LINE_IS_ON_APB2), line);
     set_baud(ports.1, clocks.bus(LOG_IS_ON_APB2), log);

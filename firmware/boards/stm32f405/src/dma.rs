@@ -7,7 +7,6 @@ use crate::board::{
     LINE_RECEIVE_REQUEST, LINE_RECEIVE_STREAM, LINE_TRANSMIT_REQUEST, LINE_TRANSMIT_STREAM,
     LineController, LinePort,
 };
-use crate::line::SharedBytes;
 use crate::parts::Rcc;
 use core::sync::atomic::{AtomicU8, Ordering, fence};
 use stm32f4xx_hal::pac::{dma2, usart1};
@@ -20,7 +19,7 @@ const TO_PORT: u32 = 1 << 6;
 const CIRCULAR: u32 = 1 << 8;
 const COUNTS: u32 = 1 << 10;
 
-/// A round may not wait: the next byte is 1,822 cycles away.
+/// Settings of both streams, which move single bytes.
 const RECEIVES: u32 = (LINE_RECEIVE_REQUEST as u32) << 25 | COUNTS | CIRCULAR | INTERRUPT;
 const TRANSMITS: u32 = (LINE_TRANSMIT_REQUEST as u32) << 25 | COUNTS | TO_PORT;
 
@@ -35,7 +34,7 @@ fn controller() -> &'static dma2::RegisterBlock {
 }
 
 fn port() -> &'static usart1::RegisterBlock {
-    // SAFETY: the HAL has started the port, and nothing else uses it afterwards.
+    // SAFETY: `serial` has started the port, and nothing else uses it afterwards.
     unsafe { &*LinePort::ptr() }
 }
 
@@ -55,25 +54,33 @@ fn clear(stream: usize, flags: u32) {
     }
 }
 
-/// Starts to receive into the first of `memories`, and sets the transmitter up to send from the second. `data` are the addresses of the port's
-/// data, of receiver and transmitter.
-pub(crate) fn start(memories: [&'static SharedBytes; 2], data: [u32; 2], rcc: &mut Rcc) {
+/// Starts to receive into `ring`, and sets the transmitter up. `data` are the addresses of the port's data, of receiver and transmitter.
+pub(crate) fn start(ring: &'static [AtomicU8], data: [u32; 2], rcc: &mut Rcc) {
     LineController::enable(rcc);
     let streams = [
         (LINE_RECEIVE_STREAM, RECEIVES),
         (LINE_TRANSMIT_STREAM, TRANSMITS),
     ];
-    for (((stream, settings), data), memory) in streams.into_iter().zip(data).zip(memories) {
+    for ((stream, settings), data) in streams.into_iter().zip(data) {
         let stream = controller().st(stream);
-        // SAFETY: the stream is off, as after a reset; the address is that of the port; the bytes are atomic, and as many as a round.
+        // SAFETY: the stream is off, as after a reset, and the address is that of the port.
         unsafe {
             stream.par().write(|w| w.bits(data));
-            stream.m0ar().write(|w| w.bits(memory.as_ptr() as u32));
-            stream.ndtr().write(|w| w.bits(memory.len() as u32));
             stream.cr().write(|w| w.bits(settings));
         }
     }
+    set_memory(LINE_RECEIVE_STREAM, ring);
     switch_on(LINE_RECEIVE_STREAM, RECEIVES);
+}
+
+/// Gives a stream that is off its memory.
+fn set_memory(stream: usize, bytes: &'static [AtomicU8]) {
+    let stream = controller().st(stream);
+    // SAFETY: the bytes are atomic, live for ever, and are no fewer.
+    unsafe {
+        stream.m0ar().write(|w| w.bits(bytes.as_ptr() as u32));
+        stream.ndtr().write(|w| w.bits(bytes.len() as u32));
+    }
 }
 
 fn switch_on(stream: usize, settings: u32) {
@@ -117,12 +124,10 @@ pub(crate) fn is_sending() -> bool {
     controller().st(LINE_TRANSMIT_STREAM).cr().read().bits() & ON != 0
 }
 
-/// Sends `bytes`, from the beginning of the memory of the [start]. Only while nothing [is being sent](is_sending).
+/// Sends `bytes`. Only while no others [are being sent](is_sending).
 pub(crate) fn send(bytes: &'static [AtomicU8]) {
     clear(LINE_TRANSMIT_STREAM, FLAGS);
-    let number = controller().st(LINE_TRANSMIT_STREAM).ndtr();
-    // SAFETY: the stream is off, and the bytes are no more.
-    unsafe { number.write(|w| w.bits(bytes.len() as u32)) };
+    set_memory(LINE_TRANSMIT_STREAM, bytes);
     // The bytes are in the memory before the DMA looks.
     fence(Ordering::Release);
     switch_on(LINE_TRANSMIT_STREAM, TRANSMITS);

@@ -14,7 +14,6 @@ use core::convert::Infallible;
 use embedded_hal_nb::serial::{ErrorType, Write};
 use stm32f4xx_hal::gpio::PushPull;
 use stm32f4xx_hal::gpio::alt::SerialAsync;
-use stm32f4xx_hal::pac::usart1;
 use stm32f4xx_hal::rcc::{Enable, Rcc};
 #[cfg(not(usb))]
 use trirrr_app::BAUD;
@@ -67,9 +66,12 @@ pub(crate) fn start(
         w.dmat().enabled()
     });
     set_bauds(clocks, BAUD, LOG_BAUD);
-    transmit(&line.0);
+    line.0.cr1().write(|w| {
+        w.re().enabled();
+        w.te().enabled();
+        w.ue().enabled()
+    });
     transmit(&log.0);
-    line.0.cr1().modify(|_, w| w.re().enabled());
     (transmitter, receiver, LogTransmitter(log.0))
 }
 

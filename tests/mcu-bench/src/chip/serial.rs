@@ -79,7 +79,7 @@ impl Serial {
         // Before the present nothing was there to be sent, or the DMA has stopped within a byte.
         let mut time = now;
         loop {
-            if self.waiting.is_none()
+            while self.waiting.is_none()
                 && self.is_on(3)
                 && self.is_served(TRANSMITS_BY_DMA)
                 && let Some(byte) = path.next()
