@@ -32,16 +32,18 @@ fn build() -> Result<(), Box<dyn Error>> {
         println!("cargo:rustc-check-cfg=cfg({name}, values({kinds}))");
         println!("cargo:rustc-cfg={name}={:?}", env::var(of_app)?);
     }
-    // Something that a failure has to switch off: drives or a tool.
+    // Something that a failure has to switch off: drives, a tool or spare outputs.
     println!("cargo:rustc-check-cfg=cfg(outputs)");
     let has = |name: &str| env::var(name).is_ok_and(|kind| kind != "none");
-    if has("DEP_TRIRRR_APP_DRIVE") || has("DEP_TRIRRR_APP_TOOL") {
+    let has_spare = env::var_os("DEP_TRIRRR_APP_DIGITAL").is_some();
+    if has("DEP_TRIRRR_APP_DRIVE") || has("DEP_TRIRRR_APP_TOOL") || has_spare {
         println!("cargo:rustc-cfg=outputs");
     }
     for name in [
         "homing",
         "brake",
         "lamp",
+        "digital",
         "feedback",
         "interlocks",
         "estop",

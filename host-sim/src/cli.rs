@@ -13,9 +13,10 @@ use crate::goals::{FollowArgs, GotoArgs, JogArgs, ParkArgs};
 use crate::grbl::GrblArgs;
 use crate::identify::IdentifyArgs;
 use crate::init::InitArgs;
+use crate::install::InstallArgs;
 use crate::key::KeyArgs;
 use crate::linkage::LinkageArgs;
-use crate::machine::{DisableArgs, DrivesArgs, EnableArgs, ProbeArgs, ToolArgs};
+use crate::machine::{DisableArgs, DrivesArgs, EnableArgs, OutputArgs, ProbeArgs, ToolArgs};
 use crate::plan::PlanArgs;
 use crate::report::ReportArgs;
 use crate::run::RunArgs;
@@ -74,6 +75,10 @@ pub enum Command {
     Probe(ProbeArgs),
     /// Replace the program of a board over its line
     Update(UpdateArgs),
+    /// Show the spare outputs and inputs of a machine, or switch an output
+    Output(OutputArgs),
+    /// Bring a scene to a board over its line, without a new image
+    Install(InstallArgs),
     /// Move a machine to a pose, from rest or from any motion
     Goto(GotoArgs),
     /// Move a machine to the start of the scene's job, or to another pose, slowly

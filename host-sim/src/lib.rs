@@ -30,6 +30,7 @@ pub mod grbl;
 pub mod histogram;
 pub mod identify;
 pub mod init;
+pub mod install;
 pub mod job_file;
 pub mod key;
 pub mod lagrange;

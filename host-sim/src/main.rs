@@ -13,7 +13,7 @@ use trirrr_host_sim::stream::StreamArgs;
 use trirrr_host_sim::terminal::say;
 use trirrr_host_sim::{
     assemble, bridge, calibrate, check, completions, design, device, eval, export, goals, grbl,
-    identify, init, key, linkage, machine, plan, report, run, stream, ui, update, watch,
+    identify, init, install, key, linkage, machine, plan, report, run, stream, ui, update, watch,
 };
 
 /// Exit code of a program that Ctrl-C ended, as shells report it: 128 + SIGINT.
@@ -42,6 +42,8 @@ fn main() -> ExitCode {
         Command::Tool(args) => switch(|stop| machine::tool(args, stop)),
         Command::Probe(args) => switch(|stop| machine::probe(args, stop)),
         Command::Update(args) => switch(|stop| update::command(args, stop)),
+        Command::Output(args) => switch(|stop| machine::output(args, stop)),
+        Command::Install(args) => switch(|stop| install::command(args, stop)),
         Command::Grbl(args) => switch(|stop| grbl::command(args, stop)),
         Command::Goto(args) => to_the_end(|stop| goals::goto(args, stop)),
         Command::Park(args) => to_the_end(|stop| goals::park(args, stop)),

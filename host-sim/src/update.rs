@@ -12,12 +12,13 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use trirrr_client::{ProgramImage, UpdateAction, UpdateClient, describe};
+use trirrr_protocol::message::Identity;
 
 /// Longest wait for the board before Ctrl-C is looked at.
 const LOOK: Duration = Duration::from_millis(20);
 
 /// Time without the port, or without an answer, after which the command gives up.
-const PATIENCE: Duration = Duration::from_secs(10);
+pub(crate) const PATIENCE: Duration = Duration::from_secs(10);
 
 /// Most bytes of an image: more is no file for a microcontroller.
 const LARGEST: u32 = 16 << 20;
@@ -51,26 +52,58 @@ pub fn command(args: &UpdateArgs, stop: &AtomicBool) -> Result<(), CliError> {
         header.length
     ))?;
     // Nothing of this conversation depends on the number type of the machine.
-    let mut client = UpdateClient::<f64>::new(image, patience(PATIENCE), conversation());
-    let mut port = Port::open(&args.line, PATIENCE)?;
+    let client = UpdateClient::<f64>::new(image, patience(PATIENCE), conversation());
+    let words = Words {
+        waiting: "the board installs it",
+        ended: "the board keeps its program",
+    };
+    bring(client, &args.line, &words, &|_| Ok(()), stop)
+}
+
+/// Words for a person.
+pub(crate) struct Words {
+    /// While the board starts anew.
+    pub(crate) waiting: &'static str,
+    /// After Ctrl-C.
+    pub(crate) ended: &'static str,
+}
+
+/// Lets `client` talk to the board to the end, and tells what runs then. `check` may refuse the board that has answered, before anything is
+/// sent to it.
+///
+/// # Errors
+/// Failed: the port, the client, or Ctrl-C. What `check` says.
+pub(crate) fn bring(
+    mut client: UpdateClient<f64>,
+    line: &PortArgs,
+    words: &Words,
+    check: &dyn Fn(&Identity) -> Result<(), CliError>,
+    stop: &AtomicBool,
+) -> Result<(), CliError> {
+    let mut port = Port::open(line, PATIENCE)?;
     let start = Instant::now();
-    let bar = bar(header.length);
+    let bar = bar(client.progress().1);
     let mut is_told = false;
     loop {
         if stop.load(Ordering::Relaxed) {
             bar.abandon();
-            return Err(CliError::Failed(
-                "ended by Ctrl-C: the board keeps its program".into(),
-            ));
+            return Err(CliError::Failed(format!(
+                "ended by Ctrl-C: {}",
+                words.ended
+            )));
         }
         if let (Some(identity), false) = (client.identity(), is_told) {
             is_told = true;
             let firmware = describe::board::firmware(&identity.firmware);
             bar.suspend(|| print(&format!("board       {firmware}\n")))?;
+            if let Err(refused) = check(identity) {
+                bar.abandon();
+                return Err(refused);
+            }
         }
         bar.set_position(client.progress().0.into());
         if client.is_restarting() {
-            bar.set_message("the board installs it");
+            bar.set_message(words.waiting);
         }
         match client.poll(start.elapsed()) {
             UpdateAction::Send(request) => {

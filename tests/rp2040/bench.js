@@ -20,6 +20,11 @@ const MS = 1e6;
 const PORTS = (1 << 5) | (1 << 8);
 // All parts that the watchdog resets, but both oscillators, in PSM_WDSEL.
 const PARTS = 0x1fffc;
+// As in `rp2040.x`: the stack is the first 32 KiB of the RAM.
+const STACK = 0x8000;
+// Longest time without the slots, beyond their own.
+const MASKED_US = 1;
+const STACK_TOP = 0x2000_0000 + STACK;
 
 function figure(name, measured, bound, holds) {
   console.log(`${name.padEnd(72)} ${String(measured).padStart(12)}   ${bound}`);
@@ -86,7 +91,7 @@ function play(image, out, { until, hasUsb = false } = {}) {
         if (over) return;
         board.run(MS);
         // The start of the program has no interrupts.
-        board.countsMasked ||= board.edges[settings.step[0]].length > 1;
+        board.watches ||= board.edges[settings.step[0]].length > 1;
         if (board.resetNs !== undefined || until?.(board)) {
           client.removeListener("exit", finish);
           client.kill();
@@ -229,7 +234,7 @@ async function panic() {
 
 /** The board at a host without a program. */
 function plugIn() {
-  const board = boardOf(settings.usb.image, true);
+  const board = boardOf(settings.overUsb, true);
   board.run(300 * MS);
   const { device, configuredNs, wrongToggles } = board.host;
   figure("usb: enumerated after its start, ms", ((configuredNs ?? Infinity) / MS).toFixed(1), "≤ 150", configuredNs <= 150 * MS);
@@ -265,20 +270,22 @@ async function breakOff(name, cut, mend) {
     }
     return board.ns > mendNs + 400 * MS;
   };
-  const { board } = await play(settings.usb.image, path.join(folder, "broken"), { until: broken, hasUsb: true });
+  const { board } = await play(settings.overUsb, path.join(folder, "broken"), { until: broken, hasUsb: true });
   const [last, count] = lastStep(board, cutNs);
   figure(`usb: ${name}: the last step after, ms`, last.toFixed(1), `≤ ${bound.toFixed(1)}`, last <= bound);
-  figure(`usb: ${name}: steps, of those of the job`, count, `< ${settings.usb.steps}`, count < settings.usb.steps);
+  figure(`usb: ${name}: steps, of those of the job`, count, `< ${jobSteps}`, count < jobSteps);
   figure(`usb: ${name}: the board is reset`, board.resetNs !== undefined, false, board.resetNs === undefined);
   figure(`usb: ${name}: bytes once it is mended`, seen, "> 0", seen > 0);
   return board;
 }
 
+/** Steps of the whole job. */
+let jobSteps = 0;
+
 async function usb() {
-  settings.leastUs = settings.usb.leastUs;
   plugIn();
-  const played = await job(settings.usb.image, true);
-  settings.usb.steps = lastStep(played, 0)[1];
+  const played = await job(settings.overUsb, true);
+  jobSteps = lastStep(played, 0)[1];
   figure("usb: packets out of turn", played.host.wrongToggles, 0, played.host.wrongToggles === 0);
   const pulled = await breakOff(
     "cable pulled in mid-move",
@@ -290,8 +297,11 @@ async function usb() {
     ({ host }) => host.stop(true),
     ({ host }) => host.stop(false),
   );
-  const masked = Math.max(...[played, pulled, stopped].map((board) => board.longestMaskedNs)) / 1e3;
-  figure("usb: longest time without interrupts, µs", masked.toFixed(2), `≤ ${settings.usb.maskedUs}`, masked <= settings.usb.maskedUs);
+  const boards = [played, pulled, stopped];
+  const masked = Math.max(...boards.map((board) => board.longestMaskedNs)) / 1e3;
+  figure("usb: longest time without interrupts, µs", masked.toFixed(2), `≤ ${MASKED_US}`, masked <= MASKED_US);
+  const stack = STACK_TOP - Math.min(...boards.map((board) => board.lowestStack));
+  figure("usb: bytes of the stack in use at most", stack, `≤ ${STACK / 2}`, stack <= STACK / 2);
 }
 
 (async () => {

@@ -53,8 +53,9 @@ class Board {
     this.resetNs = undefined;
     /** Host at the USB plug, for an image with that line. */
     this.host = undefined;
-    /** Longest time without any interrupt, once `countsMasked` is set. */
-    this.countsMasked = false;
+    /** Longest time without any interrupt, and lowest address of the stack, once `watches` is set. */
+    this.watches = false;
+    this.lowestStack = core.SP;
     this.longestMaskedNs = 0;
     this.watchdog.onWatchdogTrigger = () => {
       this.resetNs ??= this.ns;
@@ -86,7 +87,8 @@ class Board {
     return { [this.states.High]: true, [this.states.Low]: false }[state];
   }
 
-  countMasked() {
+  watch() {
+    this.lowestStack = Math.min(this.lowestStack, this.rp.core.SP);
     if (this.rp.core.PM) {
       this.maskedNs ??= this.ns;
     } else if (this.maskedNs !== undefined) {
@@ -107,7 +109,7 @@ class Board {
         this.nextByte = this.ns + BYTE_NS;
       }
       rp.clock.tick(rp.core.executeInstruction() * CYCLE_NS);
-      if (this.countsMasked) this.countMasked();
+      if (this.watches) this.watch();
     }
   }
 }

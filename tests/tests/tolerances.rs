@@ -50,6 +50,7 @@ impl Uncertain {
                 path: None,
                 spool: None,
                 levels: trirrr_scene::JobLevels::default(),
+                outputs: trirrr_scene::JobOutputs::default(),
             },
             ..Scene::parse(THESIS, "thesis.toml").expect("the thesis scene")
         }

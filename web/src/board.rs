@@ -24,6 +24,13 @@ pub struct BoardScene {
     pub levels: Vec<u8>,
     /// Levels of moves, 5 numbers each: index of the move, first level, count, offset, span.
     pub ranges: Vec<u32>,
+    /// Spare outputs that change with moves, 3 numbers each: index of the move, outputs that go on and outputs that go off, a bit for each.
+    pub outputs: Vec<u32>,
+    /// Names of the tools of which the platform carries one.
+    pub tools: Vec<String>,
+    /// The index of the tool that the job is for, then the platform with each tool, 6 numbers each in SI units: mass, moment of inertia,
+    /// centre of mass and tool point. Nothing of a scene without tools.
+    pub bodies: Vec<f64>,
 }
 
 #[wasm_bindgen]
@@ -48,6 +55,9 @@ impl BoardScene {
             let (count, offset) = (range.count.into(), range.offset.into());
             [*index, range.first, count, offset, range.span]
         });
+        let changes = job.outputs.changes().iter();
+        let outputs = changes.flat_map(|(index, bits)| [*index, bits.on.into(), bits.off.into()]);
+        let tools = trirrr_scene::CarriedTools::of(scene).unwrap_or_default();
         Ok(Self {
             name: scene.name.clone(),
             number: scene.number.to_string(),
@@ -64,7 +74,13 @@ impl BoardScene {
             ],
             moves: job.moves.iter().flat_map(numbers).collect(),
             ranges: ranges.collect(),
+            outputs: outputs.collect(),
             levels: job.levels.levels,
+            tools: tools.names().to_vec(),
+            bodies: match tools.names() {
+                [] => Vec::new(),
+                _ => [&[tools.wanted() as f64], tools.bodies().as_flattened()].concat(),
+            },
         })
     }
 }

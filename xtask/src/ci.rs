@@ -150,6 +150,17 @@ fn lints_of_devices() -> Vec<Step> {
     other_board.command.env("BOARD", "feather-f405");
     other_board.command.env("SCENE", "scenes/pick-home.toml");
     lints.push(other_board);
+    // Lines over USB: of a scene whose drives are at none of its pins.
+    let is_board =
+        |(package, _): &&(&str, &str)| !matches!(*package, "trirrr-app" | "trirrr-insns");
+    lints.extend(DEVICE_PACKAGES.iter().filter(is_board).map(|of| {
+        let mut usb = lint(*of);
+        usb.name += " with a line over USB";
+        usb.command
+            .env("LINE", "usb")
+            .env("SCENE", "scenes/thesis.toml");
+        usb
+    }));
     lints
 }
 

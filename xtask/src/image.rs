@@ -164,8 +164,9 @@ fn build_together(
         .args(["--profile", PROFILE])
         .env("SCENE", &first.scene.path)
         .env("TRIRRR_SCALAR", first.scalar)
-        // The repository's own flags for the target, and the scene's board, are to hold, whatever is set outside.
+        // The repository's own flags for the target, and the scene's board with its line, are to hold, whatever is set outside.
         .env_remove("BOARD")
+        .env_remove("LINE")
         .env_remove("RUSTFLAGS")
         .env_remove("CARGO_ENCODED_RUSTFLAGS");
     let chosen = |of: fn(&Image) -> &'static str| images.iter().map(of).collect::<BTreeSet<_>>();

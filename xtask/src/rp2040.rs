@@ -5,6 +5,7 @@ use crate::image::Image;
 use crate::other_boards;
 use crate::programs::{Programs, succeed};
 use crate::repository::{SceneFile, root, target_directory};
+use crate::symbols;
 use anyhow::{Context, Result, ensure};
 use serde_json::json;
 use std::f64::consts::TAU;
@@ -26,18 +27,21 @@ pub(crate) struct Rp2040Args {
     /// Execute the image on rp2040js, and check the pins
     #[arg(long)]
     run: bool,
+    /// One case alone: power-up, job, hung-tick, panic, usb
+    #[arg(long, requires = "run")]
+    case: Option<String>,
 }
 
 pub(crate) fn run(arguments: &Rp2040Args) -> Result<()> {
     let (file, scene) = other_boards::rp2040()?;
     match arguments.run {
-        true => execute(&file, &scene),
+        true => execute(&file, &scene, arguments.case.as_deref()),
         false => Ok(()),
     }
 }
 
 /// Executes the image on the model of the chip.
-fn execute(file: &SceneFile, scene: &Scene) -> Result<()> {
+fn execute(file: &SceneFile, scene: &Scene, case: Option<&str>) -> Result<()> {
     let image = Image::rp2040(file, of_scene(scene.number));
     let panicking = image.build_as("-panic", |cargo| {
         cargo
@@ -59,13 +63,18 @@ fn execute(file: &SceneFile, scene: &Scene) -> Result<()> {
         install.arg(&folder).arg(MODEL),
         "the installation of rp2040js",
     )?;
-    let settings = settings(file, scene, [&image.build()?, &panicking])?;
+    let mut settings = settings(file, scene, [&image.build()?, &panicking])?;
+    let over_usb = image.build_as("-usb", |cargo| {
+        cargo.env("LINE", "usb");
+    })?;
+    symbols::check_mark(&over_usb, symbols::USB_LINE)?;
+    settings["overUsb"] = json!(over_usb);
     let written = folder.join("settings.json");
     fs::write(&written, settings.to_string()).with_context(|| written.display().to_string())?;
     let mut bench = Command::new("node");
     bench.arg(root().join("tests/rp2040/bench.js"));
     succeed(
-        bench.arg(&folder).arg(&written),
+        bench.arg(&folder).arg(&written).args(case),
         "the image on the model of the RP2040",
     )
 }
@@ -121,6 +130,8 @@ fn settings(
         "leastUs": 1e6 / f64::from(slots_hz) - LATE_US,
         "tickS": tick_s,
         "ticks": scene.ticks() + 1,
+        "silenceS": scene.service.silence_timeout_s,
+        "holdRampS": scene.service.hold_ramp_s,
         "watchdogS": (4.0 * tick_s).max(0.2),
     }))
 }

@@ -25,7 +25,10 @@ struct Mark {
 }
 
 /// Symbol that only images for an emulator hold, with the feature `ruled-switches`.
-const RULED_SWITCHES: &str = "13RuledSwitches";
+pub(crate) const RULED_SWITCHES: &str = "13RuledSwitches";
+
+/// Symbol that only images hold whose line is USB, by the build.
+pub(crate) const USB_LINE: &str = "14UsbTransmitter";
 
 const MARKS: &[Mark] = &[
     Mark {
@@ -106,6 +109,11 @@ const MARKS: &[Mark] = &[
         used: |scene| scene.has_lamp,
     },
     Mark {
+        what: "spare outputs or inputs",
+        names: &["11WithDigital", "13DigitalPlayer"],
+        used: |scene| scene.spare_pins.are_named(),
+    },
+    Mark {
         what: "a probe",
         names: &["10ProbeLatch"],
         used: |scene| scene.inputs.interlocks.probe.is_some(),
@@ -121,6 +129,11 @@ const MARKS: &[Mark] = &[
         used: |scene| scene.service.adjustable,
     },
     Mark {
+        what: "a scene from the line",
+        names: &["12stored_scene"],
+        used: |scene| scene.service.scene_over_line,
+    },
+    Mark {
         what: "feedback",
         names: &["12WithFeedback"],
         used: |scene| scene.feedback.is_some(),
@@ -133,6 +146,11 @@ const MARKS: &[Mark] = &[
     Mark {
         what: "switches that close by rule",
         names: &[RULED_SWITCHES],
+        used: |_| false,
+    },
+    Mark {
+        what: "a line over USB",
+        names: &[USB_LINE, "10usb_device"],
         used: |_| false,
     },
     Mark {
@@ -197,15 +215,14 @@ fn check_routines(names: &[&str], has_fpu: bool, is_adjustable: bool) -> Result<
     }
 }
 
-/// Checks that the image in `file` has switches that close by rule, and that they would be seen in one
-/// that should not have them.
+/// Checks that the image in `file` has what `mark` shows, and that this would be seen in one that should not have it.
 ///
 /// # Errors
-/// No symbol shows them.
-pub(crate) fn check_ruled_switches(file: &Path) -> Result<()> {
+/// No symbol shows it.
+pub(crate) fn check_mark(file: &Path, mark: &str) -> Result<()> {
     with_elf(file, |elf| {
-        let is_shown = names(elf).iter().any(|name| name.contains(RULED_SWITCHES));
-        ensure!(is_shown, "no symbol shows {RULED_SWITCHES}");
+        let is_shown = names(elf).iter().any(|name| name.contains(mark));
+        ensure!(is_shown, "no symbol shows {mark}");
         Ok(())
     })
 }
@@ -262,7 +279,12 @@ mod tests {
             ("_RNv5scene11interlocked14WithInterlocks", "interlocks"),
             ("_RNv5interlock5probe10ProbeLatch4read", "a probe"),
             ("_RNv4lamp7LampPin4show", "a status lamp"),
+            (
+                "_RNv7digital6player13DigitalPlayer5begin",
+                "spare outputs or inputs",
+            ),
             ("_RNv6levels4list10MoveLevels", "power lists"),
+            ("_RNv3app12stored_scene6played", "a scene from the line"),
             (
                 "_RNv8switches13RuledSwitches6closed",
                 "switches that close by rule",

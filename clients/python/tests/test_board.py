@@ -14,6 +14,7 @@ from trirrr import AsyncBoard, Board, BoardError
 from trirrr.board import Carried
 from trirrr.exchange import Refused
 from trirrr.goals import NoMotion
+from trirrr.jobs import read
 from trirrr.messages import Command, SectionName
 from trirrr.ports import PortError
 from trirrr.stream import JobFailed
@@ -146,6 +147,52 @@ class Boards(unittest.TestCase):
             with self.assertRaises(Refused):
                 board.mount(Carried(-1.0, inertia, com, (0.0, 0.0)))
             self.assertAlmostEqual(board.status().end[0], wanted[0], places=6)
+
+    def test_a_job_for_another_tool_is_refused(self) -> None:
+        machine = read(str(SCENES / "tools.toml"))
+        gripper = machine.tools["gripper"]
+        with Device("tools.toml") as address, Board.connect(address) as board:
+            board.enable()
+            board.mount(Carried(gripper.mass_kg, gripper.inertia_kgm2, gripper.com_m, gripper.tool_point_m))
+            with self.assertRaisesRegex(JobFailed, "carries the tool 'gripper', and the job is for the tool 'pen'"):
+                board.run(SCENES / "tools.toml", recover_s=0.5)
+            board.mount(Carried(1.0, 0.01, (0.0, 0.0), (0.0, 0.0)))
+            with self.assertRaisesRegex(JobFailed, "carries no tool of the scene"):
+                board.run(SCENES / "tools.toml", recover_s=0.5)
+            pen = machine.tools["pen"]
+            board.mount(Carried(pen.mass_kg, pen.inertia_kgm2, pen.com_m, pen.tool_point_m))
+            ticks = board.run(SCENES / "tools.toml", recover_s=0.5)
+            self.assertAlmostEqual(ticks["x"][-1], 0.27, places=6)
+
+    def test_outputs_are_switched_by_name(self) -> None:
+        scene = SCENES / "inputs/valves.toml"
+        with (
+            Device("inputs/valves.toml", more=("--press", "sheet@0")) as address,
+            Board.connect(address, scene=scene) as board,
+        ):
+            with self.assertRaisesRegex(Refused, "not while the machine is disabled"):
+                board.output("vacuum", True)
+            board.enable()
+            with self.assertRaisesRegex(BoardError, "has no output 'vent'; its outputs are air, vacuum"):
+                board.output("vent", True)
+            board.output("vacuum", True)
+            # An output of jobs waits for one.
+            board.output("air", True)
+            while board.status().outputs_on != ("vacuum",) or board.status().inputs_active != ("sheet",):
+                time.sleep(0.01)
+            board.run(scene)
+            self.assertEqual(board.status().outputs_on, ("vacuum",))
+            with self.assertRaisesRegex(Refused, "names 2 spare outputs"):
+                board.output(2, False)
+            board.disable()
+            while board.status().outputs_on:
+                time.sleep(0.01)
+        with Device("thesis.toml") as address, Board.connect(address) as board:
+            with self.assertRaisesRegex(BoardError, "connect with scene="):
+                board.output("air", True)
+            with self.assertRaisesRegex(Refused, "names 0 spare outputs"):
+                board.output(0, True)
+            self.assertEqual(board.status().outputs_on, ())
 
     def test_a_machine_is_homed(self) -> None:
         with Device("pick-home.toml", speed=1.0) as address, Board.connect(address) as board:

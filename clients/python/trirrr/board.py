@@ -48,6 +48,10 @@ class BoardStatus:
     feed_percent: int
     #: Words on the inputs. ``None`` of a scene that names none.
     inputs: str | None = None
+    #: Spare outputs that are on, and spare inputs that are active: names of ``[io]`` in the scene that the board was connected with,
+    #: or else numbers, from 0.
+    outputs_on: tuple[str | int, ...] = ()
+    inputs_active: tuple[str | int, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -82,8 +86,16 @@ class BoardError(Exception):
 class Board:
     """A machine on an open line."""
 
-    def __init__(self, address: str, baud: int = 921_600, number: str | None = None, answer_s: float = 0.2) -> None:
+    def __init__(
+        self,
+        address: str,
+        baud: int = 921_600,
+        number: str | None = None,
+        answer_s: float = 0.2,
+        scene: str | os.PathLike[str] | None = None,
+    ) -> None:
         """Opens the line and says hello. See ``connect``."""
+        self._pins = None if scene is None else jobs.pins(os.fspath(scene))
         self._open: Callable[[], Port] = lambda: open_port(address, baud)
         self._numbers = None if number is None else NUMBERS[number]
         self._answer_s = answer_s
@@ -93,14 +105,20 @@ class Board:
 
     @classmethod
     def connect(
-        cls, address: str, *, baud: int = 921_600, number: str | None = None, answer_s: float = 0.2
+        cls,
+        address: str,
+        *,
+        baud: int = 921_600,
+        number: str | None = None,
+        answer_s: float = 0.2,
+        scene: str | os.PathLike[str] | None = None,
     ) -> Board:
         """Opens ``address``, ``tcp:HOST:PORT`` or a serial port, and says hello.
 
         ``number``: the machine's number type, found out if left out. ``answer_s``: seconds to wait for an answer before a request is
-        repeated. ``PortError``, ``Silent`` and ``Refused`` say why there is no machine.
+        repeated. ``scene``: file of the machine's scene, for the names of its spare outputs and inputs. ``PortError``, ``Silent`` and ``Refused`` say why there is no machine.
         """
-        return cls(address, baud, number, answer_s)
+        return cls(address, baud, number, answer_s, scene)
 
     def __enter__(self) -> Board:
         return self
@@ -139,7 +157,37 @@ class Board:
         fault = None if status.fault is None else words.fault(status.fault, identity)
         moves = (status.next - status.done) % (1 << 32)
         inputs = words.inputs(status.inputs)
-        return BoardStatus(status.state.name, end, fault, moves, status.feed_percent, inputs)
+        outputs_on, inputs_active = self._pin_states(status.digital)
+        return BoardStatus(status.state.name, end, fault, moves, status.feed_percent, inputs, outputs_on, inputs_active)
+
+    def _pin_states(self, digital: Any) -> tuple[tuple[str | int, ...], tuple[str | int, ...]]:
+        """Spare outputs that are on, and inputs that are active."""
+        if digital is None:
+            return (), ()
+        outputs, inputs = self._pins or ([], [])
+
+        def named(bits: int, names: list[str]) -> tuple[str | int, ...]:
+            found = [index for index in range(8) if bits >> index & 1]
+            return tuple(names[index] if index < len(names) else index for index in found)
+
+        return named(digital.outputs, outputs), named(digital.inputs, inputs)
+
+    def output(self, output: str | int, on: bool) -> None:
+        """Switches a spare output at once: by its name in the scene that the board was connected with, or by its number, from 0.
+
+        Off goes in every state; on only while the drives are on. An output with ``job_only`` goes on once a job runs. ``BoardError``
+        of a name that the scene does not have, ``Refused`` of what the machine does not do.
+        """
+        index = output if isinstance(output, int) else self._output_named(output)
+        self._ask(Command.Output(index=index, on=on))
+
+    def _output_named(self, name: str) -> int:
+        if self._pins is None:
+            raise BoardError(f"output {name!r}: no names are known; connect with scene=..., or give the number of the output")
+        names = self._pins[0]
+        if name not in names:
+            raise BoardError(f"the scene has no output {name!r}; its outputs are {', '.join(names) or 'none'}")
+        return names.index(name)
 
     def enable(self) -> BoardStatus:
         """Switches the drives on where the motors are, and waits until they hold. ``BoardError`` says why they do not."""
@@ -368,9 +416,16 @@ class AsyncBoard:
         self.board = board
 
     @classmethod
-    async def connect(cls, address: str, *, baud: int = 921_600, number: str | None = None) -> AsyncBoard:
+    async def connect(
+        cls,
+        address: str,
+        *,
+        baud: int = 921_600,
+        number: str | None = None,
+        scene: str | os.PathLike[str] | None = None,
+    ) -> AsyncBoard:
         """As ``Board.connect``."""
-        return cls(await asyncio.to_thread(Board.connect, address, baud=baud, number=number))
+        return cls(await asyncio.to_thread(Board.connect, address, baud=baud, number=number, scene=scene))
 
     async def __aenter__(self) -> AsyncBoard:
         return self
@@ -401,6 +456,10 @@ class AsyncBoard:
     async def probe(self, to: Triple, seconds: float, *, away: bool = False) -> Contact | None:
         """As ``Board.probe``."""
         return await asyncio.to_thread(self.board.probe, to, seconds, away=away)
+
+    async def output(self, output: str | int, on: bool) -> None:
+        """As ``Board.output``."""
+        await asyncio.to_thread(self.board.output, output, on)
 
     async def run(
         self, job: str | os.PathLike[str], *, recover_s: float | None = None, progress: Progress | bool | None = None

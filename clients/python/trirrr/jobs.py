@@ -21,8 +21,30 @@ Vector = tuple[float, float, float]
 _REST: Vector = (0.0, 0.0, 0.0)
 
 
+#: Relative difference of values that a machine has taken into its units and back.
+_ROUNDING = 1e-9
+
+
 class JobError(ValueError):
     """The file is no job; file, place and reason."""
+
+
+@dataclass(frozen=True)
+class Body:
+    """A platform with a tool on it. Vectors are from the tool point, and that from the reference point of the bare platform."""
+
+    mass_kg: float
+    inertia_kgm2: float
+    com_m: tuple[float, float]
+    tool_point_m: tuple[float, float]
+
+    def is_near(self, other: Any) -> bool:
+        """True if ``other`` is the same body, but for what a machine's units round."""
+
+        def values(of: Any) -> list[float]:
+            return [of.mass_kg, of.inertia_kgm2, *of.com_m, *of.tool_point_m]
+
+        return all(abs(a - b) <= _ROUNDING * max(abs(a), abs(b), 1e-3) for a, b in zip(values(self), values(other)))
 
 
 @dataclass(frozen=True)
@@ -77,6 +99,9 @@ class Job:
     legs: list[dict[str, Any]] = field(default_factory=list)
     #: Name that the machine tells to whoever asks what it plays.
     name: str = ""
+    #: The platform with each tool of the scene, by the tool's name, and the tool that the job is for; nothing of a scene without tools.
+    tools: dict[str, Body] = field(default_factory=dict)
+    mounted: str | None = None
 
     def label(self, moves: list[Any], numbers: Numbers) -> Any:
         """What the machine keeps of the job that consists of ``moves``."""
@@ -144,6 +169,18 @@ def read(path: str, moves: str | None = None) -> Job:
     return _from_table(path, data)
 
 
+def pins(path: str) -> tuple[list[str], list[str]]:
+    """Names of the spare outputs and inputs in a scene file, in their order. ``JobError`` says what is wrong."""
+    try:
+        io = tomllib.loads(_bytes(path).decode()).get("io", {})
+        outputs, inputs = ([str(each["name"]) for each in io.get(key, [])] for key in ("outputs", "inputs"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise JobError(f"{path}: {error}") from None
+    except (KeyError, TypeError, AttributeError) as error:
+        raise JobError(f"{path}: io: {error}") from None
+    return outputs, inputs
+
+
 def _bytes(path: str) -> bytes:
     try:
         return Path(path).read_bytes()
@@ -204,6 +241,7 @@ def _from_scene(path: str, data: bytes, moves: str | None) -> Job:
             )
             start, velocity = end, end_velocity
             acceleration = accelerations[1] if accelerations else _REST
+        tools, mounted = _tools(scene)
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise JobError(f"{path}: {error}") from None
     except KeyError as error:
@@ -212,7 +250,31 @@ def _from_scene(path: str, data: bytes, moves: str | None) -> Job:
         raise JobError(f"{path}: job: {error}") from None
     legs = scene.get("machine", {}).get("leg", [])
     torque = bool(scene.get("torque", True))
-    return Job(steps, scene_key(data), scene.get("number", "f64"), torque, legs, scene.get("name", ""))
+    return Job(
+        steps, scene_key(data), scene.get("number", "f64"), torque, legs, scene.get("name", ""), tools, mounted
+    )
+
+
+def _tools(scene: dict[str, Any]) -> tuple[dict[str, Body], str | None]:
+    """The platform of a scene with each of its ``[[tools]]``, and the name of the tool that is mounted."""
+    given = scene.get("tools", [])
+    if not given:
+        return {}, None
+    platform = scene["platform"]
+    bare = (_number(platform, "mass_kg"), _number(platform, "inertia_kgm2"), _pair(platform, "com_m", (0.0, 0.0)))
+    tools = {str(tool["name"]): _carrying(bare, tool) for tool in given}
+    return tools, str(scene.get("mounted", given[0]["name"]))
+
+
+def _carrying(bare: tuple[float, float, tuple[float, float]], tool: dict[str, Any]) -> Body:
+    """The platform ``bare`` and a tool on it as one body, about the tool point."""
+    point = _pair(tool, "point_m", (0.0, 0.0))
+    parts = [bare, (_number(tool, "mass_kg"), _number(tool, "inertia_kgm2", 0.0), _pair(tool, "com_m", point))]
+    mass = sum(part[0] for part in parts)
+    # Bodies without a mass have no centre of their own.
+    x, y = ((sum(part[0] * part[2][axis] for part in parts) / mass if mass else bare[2][axis]) for axis in (0, 1))
+    inertia = sum(own + part * ((cx - x) ** 2 + (cy - y) ** 2) for part, own, (cx, cy) in parts)
+    return Body(mass, inertia if mass else bare[1], (x - point[0], y - point[1]), point)
 
 
 #: Ends of keys with a unit of SI, of the same in another unit, and the value of the other one in SI.
@@ -232,6 +294,15 @@ def _number(table: dict[str, Any], key: str, default: float | None = None) -> fl
                 raise ValueError(f"{key} and {name} are both given")
             return float(convert(float(table[name])))
     return float(table[key] if default is None else table.get(key, default))
+
+
+def _pair(table: dict[str, Any], key: str, default: tuple[float, float]) -> tuple[float, float]:
+    """Two numbers in SI units, as ``_number``."""
+    names = [name for name in (key, key.removesuffix("_m") + "_mm") if name in table]
+    if not names:
+        return default
+    x, y = (_number({names[0]: value}, key) for value in table[names[0]])
+    return (x, y)
 
 
 def _vector(table: dict[str, Any], *keys: str) -> Vector:

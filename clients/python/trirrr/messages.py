@@ -222,6 +222,30 @@ Violation = Struct(
     shortest=Optional(LeastDuration),
 )
 
+SceneNeed = Enum(
+    "SceneNeed",
+    Torques=None,
+    PayloadOffset=None,
+    Rotors=None,
+    LinkMasses=None,
+    Gravity=None,
+    Quintics=None,
+    Jerk=None,
+    Paths=None,
+    Batches=None,
+    PowerLists=None,
+    Number=None,
+    TickRate=None,
+    Drives=None,
+    Brake=None,
+    ToolOutput=None,
+    Inputs=None,
+    Lamp=None,
+    Homing=None,
+    Feedback=None,
+    Contact=None,
+)
+
 UpdateRefusal = Enum(
     "UpdateRefusal",
     Board=None,
@@ -233,6 +257,11 @@ UpdateRefusal = Enum(
     Checksum={"found": U32},
     Flash={"place": U32, "status": U32},
     JournalFull=None,
+    NoScene=None,
+    SceneLayout=None,
+    SceneNeeds=SceneNeed,
+    SceneValue={"quantity": Quantity, "leg": Optional(BYTE)},
+    SceneStart=None,
 )
 
 Refusal = Enum(
@@ -284,6 +313,8 @@ Refusal = Enum(
     LimitSwitch={"motor": BYTE},
     NoUpdate=None,
     Update=UpdateRefusal,
+    NoOutput={"outputs": BYTE},
+    OutputsFull=None,
 )
 
 Hello = Struct(
@@ -438,12 +469,35 @@ ImageBlock = Struct(
     bytes=array(array(BYTE, 32), 4),
 )
 
+SceneTypes = Struct(
+    "SceneTypes",
+    room=U16,
+    levels=U16,
+    keys=array(U32, 10),
+)
+
+SceneHeader = Struct(
+    "SceneHeader",
+    length=U32,
+    checksum=U32,
+    layout=U64,
+    types=SceneTypes,
+)
+
+SceneRoom = Struct(
+    "SceneRoom",
+    room=U32,
+    layout=U64,
+    types=SceneTypes,
+)
+
 UpdateStep = Enum(
     "UpdateStep",
     Begin=ImageHeader,
     Block=ImageBlock,
     Finish=None,
     Restart=None,
+    BeginScene=SceneHeader,
 )
 
 UpdateOutcome = Enum(
@@ -462,6 +516,14 @@ UpdateStatus = Struct(
     coming=Optional(U32),
     received=U32,
     outcome=UpdateOutcome,
+    scene=Optional(SceneRoom),
+)
+
+OutputSwitch = Struct(
+    "OutputSwitch",
+    number=U32,
+    on=BYTE,
+    off=BYTE,
 )
 
 Command = Enum(
@@ -493,6 +555,8 @@ Command = Enum(
     Probe={"away": BOOL},
     UpdateStatus=None,
     Update=UpdateStep,
+    Output={"index": BYTE, "on": BOOL},
+    OutputsAt=OutputSwitch,
 )
 
 Request = Struct(
@@ -662,6 +726,13 @@ ProbeRun = Enum(
     NotTouched=None,
 )
 
+DigitalStates = Struct(
+    "DigitalStates",
+    inputs=BYTE,
+    outputs=BYTE,
+    tick=U32,
+)
+
 Status = Struct(
     "Status",
     tick=U32,
@@ -688,6 +759,7 @@ Status = Struct(
     not_enabled=Optional(NotEnabled),
     inputs=InputStates,
     probe=Optional(ProbeRun),
+    digital=Optional(DigitalStates),
 )
 
 Event = Enum(
@@ -697,6 +769,7 @@ Event = Enum(
     Fault=Fault,
     Inputs=InputStates,
     Probe=ProbeRun,
+    Digital=DigitalStates,
 )
 
 

@@ -10,7 +10,7 @@ from typing import Any
 from . import words
 from .exchange import Exchange, Refused, Silent
 from .jobs import Job, common, offer
-from .messages import ALL_FIELDS, NUMBERS, Command, Recovery
+from .messages import ALL_FIELDS, NUMBERS, Command, Recovery, SectionName
 from .ports import Port, PortError
 from .postcard import Value
 
@@ -122,6 +122,8 @@ class Stream:
             identity = exchange.hello(self._scene)
         except Refused as refused:
             raise JobFailed(str(refused)) from None
+        if self._base is None:
+            self._require_tool()
         if not self._moves:
             self._moves = self._job.moves(identity)
         if not self.survey:
@@ -146,6 +148,17 @@ class Stream:
         except KeyboardInterrupt:
             self._command(Command.Stop())
             raise JobFailed("stopped by the user") from None
+
+    def _require_tool(self) -> None:
+        """``JobFailed`` where the machine carries another tool than the job is for. One that plays it already was begun with that tool."""
+        tools, mounted = self._job.tools, self._job.mounted
+        if mounted is None:
+            return
+        platform = self.exchange.ask(Command.Read(SectionName.Platform())).content
+        carried = next((name for name, body in tools.items() if body.is_near(platform)), None)
+        if carried != mounted:
+            found = "no tool of the scene" if carried is None else f"the tool {carried!r}"
+            raise JobFailed(f"the machine carries {found}, and the job is for the tool {mounted!r}: mount that, and tell the machine")
 
     def override_feed(self, percent: int) -> None:
         """Plays at ``percent`` of normal speed, 1 to 100, from now on. For ``heard`` and ``progress``: the machine gets it

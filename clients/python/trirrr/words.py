@@ -100,6 +100,8 @@ _REFUSED = {
     "NoProbe": "the machine's scene names no probe: [inputs.probe] would",
     "ProbeTouches": "the probe touches before the run",
     "ProbeOpen": "the probe does not touch before the run, which is to lead away",
+    "NoOutput": "the machine's scene names {outputs} spare outputs: [[io.outputs]] names them, the first has number 0",
+    "OutputsFull": "the machine has no room for more changes of outputs with moves yet",
     "LimitSwitch": "motor {number} stands on its limit switch: only a recovery or homing moves the machine off it",
     "NoUpdate": "the machine's program cannot be replaced over the line",
     "Recovery": "the way there would break a limit",
@@ -138,7 +140,7 @@ def refusal(found: Any) -> str:
     # A machine of a later version may know more refusals.
     if text is None:
         return str(found)
-    fields = {name: getattr(content, name) for name in ("expected", "longest") if hasattr(content, name)}
+    fields = {name: getattr(content, name) for name in ("expected", "longest", "outputs") if hasattr(content, name)}
     if found.name == "LimitSwitch":
         fields["number"] = content.motor + 1
     return text.format(**fields)

@@ -56,6 +56,8 @@ pub enum JobFailure<N: Transmit> {
     Restarted(Start),
     /// The machine was given another job meanwhile.
     OtherJob(JobLabel),
+    /// The machine carries another tool than the job is for: that of this index among those of the scene, or none of them.
+    OtherTool(Option<usize>),
 }
 
 impl<N: Transmit> JobFailure<N> {
@@ -116,6 +118,7 @@ impl<N: Transmit> JobFailure<N> {
                 "the machine was given another job meanwhile: {}",
                 describe::board::name(&label.name)
             ),
+            Self::OtherTool(_) => "the machine carries another tool than the job is for".into(),
         }
     }
 

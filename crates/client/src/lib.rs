@@ -32,6 +32,7 @@ mod manual_client;
 pub mod records;
 mod resume;
 pub mod runner;
+mod scene_image;
 pub mod transport;
 mod update_client;
 
@@ -39,7 +40,10 @@ pub use approach::short_way;
 pub use exchange::Patience;
 pub use failure::JobFailure;
 pub use goal_client::{GoalAction, GoalClient, GoalFailure};
-pub use job_client::{Action, JobClient, JobWork, MoveChecksum, SuppliedMoves, UserCommand};
+pub use job_client::{
+    Action, JobClient, JobWork, MoveChecksum, SuppliedMoves, UserCommand, switched_label,
+};
 pub use manual_client::{ManualAction, ManualClient};
 pub use resume::{JobPlace, JobRest};
+pub use scene_image::SceneImage;
 pub use update_client::{ProgramImage, UpdateAction, UpdateClient, UpdateFailure};

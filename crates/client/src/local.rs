@@ -16,10 +16,11 @@ use trirrr_protocol::wire::{self, schema};
 use trirrr_scene::Scene;
 use trirrr_scene::offer;
 use trirrr_service::{
-    Adjustable, Channels, ContactCoefficients, DriveFeedback, FeedbackCoefficients, Homing,
-    HomingCoefficients, InterlockParameters, InterlockReadings, Interlocks, LevelRing, Output,
-    Played, ProbeLatch, Readings, Retreats, Service, ServiceError, ServiceNumber, Settings,
-    WithContact, WithFeedback, WithHoming, WithInterlocks, WithLevels, input_bits,
+    Adjustable, Channels, ContactCoefficients, DigitalParameters, DigitalPorts, DriveFeedback,
+    FeedbackCoefficients, Homing, HomingCoefficients, InterlockParameters, InterlockReadings,
+    Interlocks, LevelRing, Output, Played, ProbeLatch, Readings, Retreats, Service, ServiceError,
+    ServiceNumber, Settings, WithContact, WithDigital, WithFeedback, WithHoming, WithInterlocks,
+    WithLevels, input_bits,
 };
 
 /// Places of the queue for moves, as on a board. One place stays empty.
@@ -45,6 +46,12 @@ pub trait LocalService<N: ServiceNumber> {
 
     /// Sets what the contacts of the inputs tell in the next tick. Says nothing to a machine whose scene names none.
     fn sense(&mut self, readings: InterlockReadings);
+
+    /// Sets the spare inputs that are active in the next tick, a bit for each.
+    fn sense_digital(&mut self, inputs: u8);
+
+    /// Returns the spare outputs that are on, a bit for each.
+    fn digital_outputs(&self) -> u8;
 
     /// Sets what the drives tell in the next ticks. Says nothing to a machine whose drives tell nothing.
     fn hear(&mut self, readings: Readings<N>);
@@ -188,6 +195,7 @@ fn build<N: ServiceNumber, T>(
         contact,
         levels: scene.service.power_lists,
         interlocks: scene.inputs.interlocks,
+        digital: scene.spare_pins.parameters(),
         settings: trirrr_scene::settings(scene, &units),
         homing: match homing {
             Some(homing) => {
@@ -217,6 +225,8 @@ struct Described<N: ServiceNumber> {
     levels: u16,
     /// Emergency stop, door, probe and limit switches.
     interlocks: InterlockParameters,
+    /// Spare outputs and inputs.
+    digital: DigitalParameters,
 }
 
 struct Play<N: ServiceNumber, F> {
@@ -256,6 +266,10 @@ impl<N: ServiceNumber, T, F: FnOnce(&mut dyn LocalService<N>) -> T> ModelVisitor
             parameters: described.interlocks,
             probe: PhantomData,
         };
+        let scene = WithDigital {
+            scene,
+            parameters: described.digital,
+        };
         // The queues are some 100 KB.
         let mut channels = Box::new(Channels::<_, MOVES, SAMPLES>::new());
         let mut service = channels.service(scene, described.start, described.settings)?;
@@ -276,6 +290,7 @@ where
             Curves = Quintics,
             Feedback = DriveFeedback<N>,
             Interlocks = Interlocks<N, { input_bits::ALL }, ProbeLatch<N>>,
+            Digital = DigitalPorts,
         >,
     S::Homing: Homing<N, Inputs = [bool; 3]>,
 {
@@ -293,6 +308,14 @@ where
 
     fn sense(&mut self, readings: InterlockReadings) {
         Service::sense(self, readings);
+    }
+
+    fn sense_digital(&mut self, inputs: u8) {
+        Service::sense_digital(self, inputs);
+    }
+
+    fn digital_outputs(&self) -> u8 {
+        Service::digital_outputs(self)
     }
 
     fn hear(&mut self, readings: Readings<N>) {

@@ -9,7 +9,7 @@ use core::convert::Infallible;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Ends, Quintics, Segment};
 use trirrr_protocol::message::{AnyMove, LEVEL_PARTS, LevelRange, Move, Transmit};
-use trirrr_scene::JobLevels;
+use trirrr_scene::{JobLevels, JobOutputs};
 
 /// Place on the path of a job.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -145,6 +145,12 @@ impl<N: Number> JobRest<N> {
         N: Transmit,
     {
         JobWork::of(self.moves.clone(), &self.levels)
+    }
+
+    /// Returns the changes of outputs with these moves, of a job with `outputs`. All changes before the place come with it: on the way back the
+    /// outputs are as the machine has them.
+    pub fn outputs(&self, outputs: &JobOutputs) -> JobOutputs {
+        outputs.rest(self.from.index, self.lead)
     }
 
     /// The moves, the way back first.

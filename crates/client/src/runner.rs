@@ -8,6 +8,7 @@ use trirrr_core::tick::Motion;
 use trirrr_protocol::message::{
     AnyMove, Command, Hello, Message, Reply, Request, State, Telemetry, Transmit,
 };
+use trirrr_scene::JobOutputs;
 use trirrr_service::{Output, Readings, ServiceNumber};
 
 /// One tick of a machine that plays a job.
@@ -62,6 +63,13 @@ impl<'a, N: ServiceNumber> JobRunner<'a, N> {
             period,
             now: Duration::ZERO,
         }
+    }
+
+    /// Lets spare outputs change with the moves of the job, as [`JobClient::with_outputs`].
+    #[must_use]
+    pub fn with_outputs(mut self, outputs: &JobOutputs) -> Self {
+        self.client = self.client.with_outputs(outputs);
+        self
     }
 
     /// Returns the part of the job that the next tick belongs to.

@@ -1,11 +1,13 @@
-//! Replaces the program of a board over its line.
+//! Replaces the program of a board over its line, or the scene of a program that takes one.
 
 use crate::describe::{self, Units};
 use crate::exchange::{Exchange, Patience, Turn};
+use crate::scene_image::SceneImage;
 use std::time::Duration;
 use trirrr_protocol::message::{
     Command, Firmware, Hello, IMAGE_MARK, Identity, ImageBlock, ImageHeader, Message, PROTOCOL,
-    Refusal, Reply, Request, Transmit, UpdateOutcome, UpdateRefusal, UpdateStatus, UpdateStep,
+    Refusal, Reply, Request, SceneNeeds, Transmit, UpdateOutcome, UpdateRefusal, UpdateStatus,
+    UpdateStep,
 };
 use trirrr_protocol::wire::{checksum_of_bytes, schema};
 use trirrr_scene::{NumberType, in_number_type};
@@ -51,6 +53,41 @@ impl ProgramImage {
     }
 }
 
+/// Content that a client brings.
+#[derive(Clone, Debug)]
+enum Brought {
+    Program(ProgramImage),
+    Scene(SceneImage),
+}
+
+impl Brought {
+    fn begin(&self) -> UpdateStep {
+        match self {
+            Self::Program(image) => UpdateStep::Begin(image.header),
+            Self::Scene(scene) => UpdateStep::BeginScene(*scene.header()),
+        }
+    }
+
+    fn checksum(&self) -> u32 {
+        match self {
+            Self::Program(image) => image.header.checksum,
+            Self::Scene(scene) => scene.header().checksum,
+        }
+    }
+
+    fn bytes(&self) -> &[u8] {
+        match self {
+            Self::Program(image) => &image.bytes,
+            Self::Scene(scene) => scene.bytes(),
+        }
+    }
+
+    /// Bytes: at most those of an image, whose length fits.
+    fn length(&self) -> u32 {
+        self.bytes().len() as u32
+    }
+}
+
 /// Next act of the owner of the port.
 #[derive(Clone, Debug, PartialEq)]
 pub enum UpdateAction<N: Transmit> {
@@ -60,11 +97,11 @@ pub enum UpdateAction<N: Transmit> {
     Wait(Duration),
     /// The machine does not answer: open the port anew and call [`UpdateClient::reconnected`], or give up.
     Lost,
-    /// The new program runs, or why not.
+    /// The new program, or the new scene, runs, or why not.
     Finished(Result<(), UpdateFailure<N>>),
 }
 
-/// Reason why the new program does not run.
+/// Reason why the new program, or the new scene, does not run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum UpdateFailure<N: Transmit> {
     /// The machine refused a step.
@@ -75,6 +112,10 @@ pub enum UpdateFailure<N: Transmit> {
     Reverted,
     /// The machine does not answer after the restart.
     Silent,
+    /// The types of the machine's image lack this for the scene.
+    Lacks(SceneNeeds),
+    /// The machine runs another scene than that which was brought.
+    OtherScene,
 }
 
 impl<N: Transmit> UpdateFailure<N> {
@@ -82,10 +123,24 @@ impl<N: Transmit> UpdateFailure<N> {
     pub fn describe(&self) -> String {
         match self {
             Self::Refused(Refusal::State(state)) => format!(
-                "the machine takes an image with its drives off alone, and it is {}: `trirrr disable` first",
+                "the machine takes it with its drives off alone, and it is {}: `trirrr disable` first",
                 describe::state(*state, trirrr_protocol::message::Acting::Nothing)
             ),
             Self::Refused(refusal) => describe::refusal(refusal, 0, &Units::si(1.0)),
+            Self::Lacks(needs) => {
+                let needs: Vec<String> = needs
+                    .iter()
+                    .map(|need| format!("\n  {}", describe::scene_need(need)))
+                    .collect();
+                format!(
+                    "the board's image lacks what the scene needs:{}\nmake them the same as in the scene of the image, or build an image from \
+                     this scene and send it by `trirrr update`",
+                    needs.concat()
+                )
+            }
+            Self::OtherScene => "the board runs another scene after its restart: it could not build this one; send it again, by the trirrr of \
+                 the version that the board runs"
+                .into(),
             Self::Layout => "the board's messages have another layout: update it by the trirrr of the version that it runs, or \
                  flash it with a probe"
                 .into(),
@@ -111,11 +166,11 @@ enum Phase {
     Outcome,
 }
 
-/// Client that replaces a program, without a port and a clock of its own.
+/// Client that replaces a program, or a scene, without a port and a clock of its own.
 #[derive(Clone, Debug)]
 pub struct UpdateClient<N: Transmit> {
     exchange: Exchange<N>,
-    image: ProgramImage,
+    brought: Brought,
     hello: Hello,
     phase: Phase,
     identity: Option<Identity>,
@@ -134,9 +189,19 @@ fn layouts() -> impl Iterator<Item = u64> {
 impl<N: Transmit> UpdateClient<N> {
     /// Creates the client that brings `image`. Another conversation with the machine should have another number `conversation`.
     pub fn new(image: ProgramImage, patience: Patience, conversation: u32) -> Self {
+        Self::bringing(Brought::Program(image), patience, conversation)
+    }
+
+    /// Creates the client that brings `scene` to a machine whose program takes one. The number `conversation` is as for
+    /// [`new`](Self::new).
+    pub fn of_scene(scene: SceneImage, patience: Patience, conversation: u32) -> Self {
+        Self::bringing(Brought::Scene(scene), patience, conversation)
+    }
+
+    fn bringing(brought: Brought, patience: Patience, conversation: u32) -> Self {
         Self {
             exchange: Exchange::new(patience, conversation),
-            image,
+            brought,
             hello: Hello {
                 protocol: PROTOCOL,
                 schema: schema::key::<Request<N>, Message<N>>(),
@@ -156,10 +221,10 @@ impl<N: Transmit> UpdateClient<N> {
 
     /// Returns the bytes that the machine has, of how many.
     pub fn progress(&self) -> (u32, u32) {
-        (self.received, self.image.header.length)
+        (self.received, self.brought.length())
     }
 
-    /// Returns true once the image is whole, and the machine starts anew.
+    /// Returns true once all of it is there, and the machine starts anew.
     pub fn is_restarting(&self) -> bool {
         matches!(self.phase, Phase::Restart { .. } | Phase::Outcome)
     }
@@ -206,7 +271,7 @@ impl<N: Transmit> UpdateClient<N> {
     fn send(&mut self, now: Duration) {
         while let Phase::Send { next } = self.phase
             && self.exchange.has_room()
-            && let Some(rest) = self.image.bytes.get(next as usize..)
+            && let Some(rest) = self.brought.bytes().get(next as usize..)
             && !rest.is_empty()
         {
             let block = ImageBlock::new(next, rest);
@@ -247,31 +312,66 @@ impl<N: Transmit> UpdateClient<N> {
     /// Goes on from the update as the machine has it.
     fn meet(&mut self, status: &UpdateStatus, now: Duration) {
         if self.phase == Phase::Outcome {
-            self.result = Some(match status.outcome {
-                UpdateOutcome::OnTrial | UpdateOutcome::Confirmed => Ok(()),
-                UpdateOutcome::Never | UpdateOutcome::Requested | UpdateOutcome::Reverted => {
-                    Err(UpdateFailure::Reverted)
-                }
-            });
+            self.result = Some(self.outcome(status));
             return;
         }
-        let is_sent = self.received == self.image.header.length;
-        if status.coming == Some(self.image.header.checksum) {
+        if let Err(failure) = self.check_room(status) {
+            self.result = Some(Err(failure));
+            return;
+        }
+        let is_program = matches!(self.brought, Brought::Program(_));
+        let is_sent = is_program && self.received == self.brought.length();
+        if status.coming == Some(self.brought.checksum()) {
             self.from(status.received, now);
         } else if is_sent && status.outcome == UpdateOutcome::Requested {
             // The answer to the end was lost.
             self.exchange.ask(Command::Update(UpdateStep::Restart), now);
         } else {
             self.exchange
-                .ask(Command::Update(UpdateStep::Begin(self.image.header)), now);
+                .ask(Command::Update(self.brought.begin()), now);
         }
+    }
+
+    /// Result of a machine that has started anew.
+    fn outcome(&self, status: &UpdateStatus) -> Result<(), UpdateFailure<N>> {
+        match &self.brought {
+            Brought::Program(_) => match status.outcome {
+                UpdateOutcome::OnTrial | UpdateOutcome::Confirmed => Ok(()),
+                UpdateOutcome::Never | UpdateOutcome::Requested | UpdateOutcome::Reverted => {
+                    Err(UpdateFailure::Reverted)
+                }
+            },
+            Brought::Scene(scene) => match &self.identity {
+                Some(identity) if identity.scene == scene.key() => Ok(()),
+                _ => Err(UpdateFailure::OtherScene),
+            },
+        }
+    }
+
+    /// Compares the types that a scene needs with those of the machine's image.
+    fn check_room(&self, status: &UpdateStatus) -> Result<(), UpdateFailure<N>> {
+        let Brought::Scene(scene) = &self.brought else {
+            return Ok(());
+        };
+        let refused = |refusal| Err(UpdateFailure::Refused(Refusal::Update(refusal)));
+        let Some(room) = &status.scene else {
+            return refused(UpdateRefusal::NoScene);
+        };
+        let lacks = room.types.lacks(&scene.header().types);
+        if lacks != SceneNeeds::default() {
+            return Err(UpdateFailure::Lacks(lacks));
+        }
+        if room.layout != scene.header().layout {
+            return refused(UpdateRefusal::SceneLayout);
+        }
+        Ok(())
     }
 
     /// Sends the bytes from `received` on.
     fn from(&mut self, received: u32, now: Duration) {
         self.received = received;
         self.phase = Phase::Send { next: received };
-        if received >= self.image.header.length {
+        if received >= self.brought.length() {
             self.exchange.ask(Command::Update(UpdateStep::Finish), now);
         }
     }
@@ -281,10 +381,10 @@ impl<N: Transmit> UpdateClient<N> {
             return;
         };
         match step {
-            UpdateStep::Begin(_) => self.from(0, now),
+            UpdateStep::Begin(_) | UpdateStep::BeginScene(_) => self.from(0, now),
             UpdateStep::Block(block) => {
                 self.received = block.offset + u32::from(block.count);
-                if self.received >= self.image.header.length {
+                if self.received >= self.brought.length() {
                     self.exchange.ask(Command::Update(UpdateStep::Finish), now);
                 }
             }
@@ -373,6 +473,7 @@ mod tests {
                     coming: self.coming,
                     received: self.received,
                     outcome: self.outcome.unwrap_or(UpdateOutcome::Never),
+                    scene: None,
                 }),
                 Command::Update(UpdateStep::Begin(header)) => {
                     (self.coming, self.received) = (Some(header.checksum), 0);

@@ -5,8 +5,10 @@ use trirrr_core::setpoint::Pose;
 use trirrr_plan::corner::round_corners;
 use trirrr_plan::course::PathPiece;
 use trirrr_plan::piece::Piece;
-use trirrr_scene::{Dwell, JobPath, LevelRow, Tool};
-use trirrr_toolpath::{Act, Element, PathFault, ToolCurve, ToolMotion, ToolPlace, ToolWork};
+use trirrr_scene::{Dwell, JobPath, LevelRow, OutputBits, PathOutputs, Tool};
+use trirrr_toolpath::{
+    Act, Element, OutputAct, PathFault, ToolCurve, ToolMotion, ToolPlace, ToolWork,
+};
 
 /// Length, m or rad, below which a motion is what the rounding of decimals has left.
 const LENGTH_MIN: f64 = 1e-9;
@@ -30,6 +32,9 @@ pub trait PathSink {
 
     /// A stand behind the pieces so far.
     fn dwell(&mut self, dwell: Dwell);
+
+    /// A change of outputs at an element, which comes before its piece or its dwell.
+    fn outputs(&mut self, outputs: PathOutputs);
 }
 
 /// Reader of the elements of a path. The number of a piece in the file is its line.
@@ -47,6 +52,8 @@ pub struct PathReader {
     pieces: usize,
     /// and numbers of elements.
     sources: usize,
+    /// Outputs that change with the next motion.
+    waiting: Option<OutputBits>,
     /// Lines at which the job waits for the user.
     pub pauses: Vec<u32>,
 }
@@ -63,6 +70,7 @@ impl PathReader {
             stops: true,
             pieces: 0,
             sources: 0,
+            waiting: None,
             pauses: Vec::new(),
         }
     }
@@ -83,6 +91,15 @@ impl PathReader {
                 let tool = tool_of(element.tool, motion.feed_m_s);
                 let piece = piece_from(self.at, motion);
                 if has_length(&piece) {
+                    if let Some(bits) = self.waiting.take() {
+                        // Moves end where another setting begins.
+                        self.change_setting();
+                        sink.outputs(PathOutputs {
+                            source,
+                            with_motion: true,
+                            bits,
+                        });
+                    }
                     self.note_tool(source, tool, sink);
                     self.add(piece, motion.feed_m_s, source, tool, sink);
                 }
@@ -103,6 +120,27 @@ impl PathReader {
                     ticks: ticks as u32,
                 });
                 self.stops = true;
+            }
+            Act::Output(OutputAct {
+                index,
+                on,
+                with_motion,
+            }) => {
+                let bits = OutputBits::one(*index, *on);
+                if *with_motion {
+                    let waiting = self.waiting.unwrap_or_default();
+                    self.waiting = Some(waiting.then(bits));
+                } else {
+                    sink.outputs(PathOutputs {
+                        source,
+                        with_motion: false,
+                        bits,
+                    });
+                    // A stand of one tick, in which they change, has its place on the path wherever that is.
+                    self.note_tool(source, tool_of(element.tool, None), sink);
+                    sink.dwell(Dwell { source, ticks: 1 });
+                    self.stops = true;
+                }
             }
             Act::Pause => {
                 self.pauses.push(element.line);
@@ -182,6 +220,8 @@ struct PathParts {
     tools: Vec<Option<Tool>>,
     /// Rows of levels.
     rows: Vec<LevelRow>,
+    /// Changes of outputs.
+    outputs: Vec<PathOutputs>,
 }
 
 impl PathSink for Option<PathParts> {
@@ -203,6 +243,12 @@ impl PathSink for Option<PathParts> {
     fn dwell(&mut self, dwell: Dwell) {
         if let Some(parts) = self {
             parts.dwells.push(dwell);
+        }
+    }
+
+    fn outputs(&mut self, outputs: PathOutputs) {
+        if let Some(parts) = self {
+            parts.outputs.push(outputs);
         }
     }
 }
@@ -274,7 +320,7 @@ impl PathBuilder {
             parts.dwells.clone(),
             parts.tools.clone(),
         );
-        let rows = parts.rows.clone();
+        let (rows, outputs) = (parts.rows.clone(), parts.outputs.clone());
         if pieces.len().max(pass) * times as usize > PIECES_MAX {
             return Err(too_often(times, PIECES_MAX));
         }
@@ -292,6 +338,10 @@ impl PathBuilder {
             parts.rows.extend(rows.iter().map(|each| LevelRow {
                 source: each.source + offset,
                 ..each.clone()
+            }));
+            parts.outputs.extend(outputs.iter().map(|each| PathOutputs {
+                source: each.source + offset,
+                ..*each
             }));
             parts.dwells.extend(dwells.iter().map(|each| Dwell {
                 source: each.source + offset,
@@ -320,6 +370,7 @@ impl PathBuilder {
             dwells: parts.dwells,
             tools: parts.tools,
             rows: parts.rows,
+            outputs: parts.outputs,
             tolerance_m: TOLERANCE_M,
             tolerance_rad: TOLERANCE_RAD,
         })
@@ -379,4 +430,65 @@ pub fn tool_of(work: Option<ToolWork>, feed_m_s: Option<f64>) -> Option<Tool> {
             false => 0.0,
         },
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::{JobOptions, gcode_job};
+    use trirrr_scene::{OutputBits, Scene};
+    use trirrr_toolpath::ToolPlace;
+
+    /// Each change is with the move that begins where the program has it.
+    #[test]
+    fn outputs_change_with_the_moves_of_their_places() {
+        let file = concat!(
+            env!("CARGO_MANIFEST_DIR"),
+            "/../../scenes/inputs/valves.toml"
+        );
+        let mut scene = Scene::read(file).expect("a shipped scene");
+        let options = JobOptions {
+            origin: ToolPlace {
+                position_m: [0.21, 0.22],
+                alpha_rad: 0.0,
+            },
+            ..JobOptions::default()
+        };
+        // G64: the machine passes the places of M62 and M63 without a stop.
+        let text = "G21 G90 G64\nM64 P1\nG1 X5 F3000\nM62 P0\nG4 P0.1\nX10\nM63 P0\nM63 P1\nX20\nM65 P1\nM64 P0\n";
+        let job = gcode_job(text.as_bytes(), &scene, &options).expect("a good program");
+        job.plan(&mut scene).expect("a plan");
+        let (moves, outputs) = (&scene.job.moves, &scene.job.outputs);
+        let found: Vec<(i64, bool, OutputBits)> = outputs
+            .changes()
+            .iter()
+            .map(|(index, bits)| {
+                let each = &moves[*index as usize];
+                let x_um = ((each.from.position.x - 0.21) * 1e6).round() as i64;
+                (x_um, each.from == each.to, *bits)
+            })
+            .collect();
+        let one = OutputBits::one;
+        let expected = [
+            (0, true, one(1, true)),
+            // Behind the dwell: that is no motion.
+            (5000, false, one(0, true)),
+            (10_000, false, one(0, false).then(one(1, false))),
+            (20_000, true, one(1, false)),
+            (20_000, true, one(0, true)),
+        ];
+        assert_eq!(found, expected);
+        // It does not rest at the place of M63.
+        let passed = moves
+            .iter()
+            .find(|each| each.from.position.x >= 0.2199 && each.from != each.to);
+        assert!(passed.expect("a move").start_velocity.x > 0.01);
+        // Twice: the same changes once more, behind the way back.
+        let twice = JobOptions {
+            repeat: 2,
+            ..options
+        };
+        let job = gcode_job(text.as_bytes(), &scene, &twice).expect("a good program");
+        job.plan(&mut scene).expect("a plan");
+        assert_eq!(scene.job.outputs.changes().len(), 2 * expected.len());
+    }
 }

@@ -80,6 +80,8 @@ pub fn gcode_setup(machine: &Scene, options: &JobOptions) -> GcodeSetup {
         full_power: options.full_power,
         home: Some(start),
         ignore_z: options.ignore_z,
+        // At most eight.
+        outputs: machine.spare_pins.outputs.len() as u8,
     }
 }
 

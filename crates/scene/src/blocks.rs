@@ -2,6 +2,7 @@
 
 use crate::job::Tool;
 use crate::job_path::{Dwell, JobPath};
+use crate::outputs::PathOutputs;
 use crate::{NumberType, Scene};
 use core::ops::Range;
 use trirrr_plan::course::PathPiece;
@@ -55,6 +56,7 @@ impl BlockCutter {
                 dwells: Vec::new(),
                 tools: Vec::new(),
                 rows: Vec::new(),
+                outputs: Vec::new(),
                 tolerance_m,
                 tolerance_rad,
             },
@@ -78,6 +80,11 @@ impl BlockCutter {
     /// Adds a stand behind the pieces of the tables before it.
     pub fn dwell(&mut self, dwell: Dwell) {
         self.open.dwells.push(dwell);
+    }
+
+    /// Adds a change of outputs, which comes before the piece or the dwell of its table.
+    pub fn outputs(&mut self, outputs: PathOutputs) {
+        self.open.outputs.push(outputs);
     }
 
     /// Adds a piece, its corners rounded; the tables of pieces do not go back. Returns the block that ends before it or earlier, if one
@@ -133,14 +140,19 @@ impl BlockCutter {
         behind[0].stops = true;
         let is_behind = |dwell: &Dwell| dwell.source >= next;
         let dwells = path.dwells.iter().filter(|dwell| is_behind(dwell));
+        let is_change_behind = |change: &PathOutputs| change.source >= next;
+        let changes = path.outputs.iter();
+        let changes = changes.filter(|change| is_change_behind(change));
         let left = JobPath {
             pieces: behind,
             free: None,
             dwells: dwells.copied().collect(),
             tools: path.tools[next - self.first..].to_vec(),
             rows: Vec::new(),
+            outputs: changes.copied().collect(),
             ..*path
         };
+        path.outputs.retain(|change| !is_change_behind(change));
         path.dwells.retain(|dwell| !is_behind(dwell));
         path.tools.truncate(next + 1 - self.first);
         self.number_from_first();
@@ -159,7 +171,8 @@ impl BlockCutter {
     fn number_from_first(&mut self) {
         let sources = self.open.pieces.iter_mut().map(|each| &mut each.source);
         let dwells = self.open.dwells.iter_mut().map(|each| &mut each.source);
-        for source in sources.chain(dwells) {
+        let outputs = self.open.outputs.iter_mut().map(|each| &mut each.source);
+        for source in sources.chain(dwells).chain(outputs) {
             *source = source.saturating_sub(self.first);
         }
     }
@@ -176,6 +189,7 @@ pub(crate) fn blocks(path: &JobPath) -> impl Iterator<Item = PathBlock> + '_ {
     let mut cutter = Some(BlockCutter::new(path.tolerance_m, path.tolerance_rad));
     let mut pieces = path.pieces.iter();
     let mut dwells = path.dwells.iter().peekable();
+    let mut outputs = path.outputs.iter().peekable();
     let mut tools = 0..path.tools.len();
     core::iter::from_fn(move || {
         let open = cutter.as_mut()?;
@@ -185,6 +199,9 @@ pub(crate) fn blocks(path: &JobPath) -> impl Iterator<Item = PathBlock> + '_ {
             these.for_each(|source| open.tool(source, path.tools[source]));
             while let Some(dwell) = dwells.next_if(|dwell| dwell.source < end) {
                 open.dwell(*dwell);
+            }
+            while let Some(change) = outputs.next_if(|change| change.source < end) {
+                open.outputs(*change);
             }
         };
         for piece in pieces.by_ref() {

@@ -118,8 +118,8 @@ fn read_stop(section: &Section, rate: Option<f64>) -> Option<EmergencyStop> {
         true => section.integer("stop_category", 0, 1),
         false => Some(0),
     };
-    let debounce = read_debounce(section, rate);
-    let normally = read_normally(section);
+    let debounce = read_contact_ticks(section, rate);
+    let normally = read_normal_contact(section);
     if normally? == NormalContact::Open {
         section.refuse(
             "normally",
@@ -137,8 +137,8 @@ fn read_stop(section: &Section, rate: Option<f64>) -> Option<EmergencyStop> {
 }
 
 fn read_door(section: &Section, rate: Option<f64>) -> Option<(Door, NormalContact)> {
-    let debounce = read_debounce(section, rate);
-    let normally = read_normally(section);
+    let debounce = read_contact_ticks(section, rate);
+    let normally = read_normal_contact(section);
     let door = Door {
         debounce_ticks: debounce?,
     };
@@ -147,9 +147,9 @@ fn read_door(section: &Section, rate: Option<f64>) -> Option<(Door, NormalContac
 
 /// Reads a probe. Most are open until they touch.
 fn read_probe(section: &Section, rate: Option<f64>) -> Option<(ProbeInput, NormalContact)> {
-    let debounce = read_debounce(section, rate);
+    let debounce = read_contact_ticks(section, rate);
     let normally = match section.has("normally") {
-        true => read_normally(section),
+        true => read_normal_contact(section),
         false => Some(NormalContact::Open),
     };
     let probe = ProbeInput {
@@ -164,12 +164,12 @@ fn read_limits(
     rate: Option<f64>,
     has_switches: bool,
 ) -> Option<(LimitInputs, NormalContact, bool)> {
-    let debounce = read_debounce(section, rate);
+    let debounce = read_contact_ticks(section, rate);
     let shares = match section.has("share_homing") {
         true => section.boolean("share_homing"),
         false => Some(false),
     };
-    let normally = read_normally(section);
+    let normally = read_normal_contact(section);
     let shares = shares?;
     if shares && !has_switches {
         section.refuse(
@@ -191,7 +191,8 @@ fn read_limits(
     Some((limits, normally?, shares))
 }
 
-fn read_normally(section: &Section) -> Option<NormalContact> {
+/// Reads `normally`; closed where it is left out.
+pub(crate) fn read_normal_contact(section: &Section) -> Option<NormalContact> {
     let choices = [
         ("closed", NormalContact::Closed),
         ("open", NormalContact::Open),
@@ -203,7 +204,7 @@ fn read_normally(section: &Section) -> Option<NormalContact> {
 }
 
 /// Ticks within the debounce time, the first in which the contact tells something new included: none later, and one at least.
-fn read_debounce(section: &Section, rate: Option<f64>) -> Option<u16> {
+pub(crate) fn read_contact_ticks(section: &Section, rate: Option<f64>) -> Option<u16> {
     let bound = Bound::Within(0.0, DEBOUNCE_MAX_S);
     let seconds = section.number_or("debounce_s", bound, DEBOUNCE_S)?;
     // At most 10,000: 0.1 s at 100 kHz. A product just below a whole number is that number.

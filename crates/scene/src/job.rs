@@ -3,6 +3,7 @@
 use crate::duration::{ticks_at_constant_acceleration, whole_ticks};
 use crate::job_path::{JobPath, PlacedPath, read_path};
 use crate::levels::JobLevels;
+use crate::outputs::JobOutputs;
 use crate::read::{Bound, Document, Place, Section};
 use crate::spool::MoveSpool;
 use nalgebra::Vector3;
@@ -25,6 +26,8 @@ pub struct Job {
     pub spool: Option<Arc<MoveSpool>>,
     /// Levels of the tool along moves of the path.
     pub levels: JobLevels,
+    /// Outputs that change with moves of the path.
+    pub outputs: JobOutputs,
 }
 
 /// One move, a polynomial in time on every coordinate: a cubic, or a quintic with accelerations at its ends.
@@ -65,6 +68,7 @@ impl Job {
             path: None,
             spool: self.spool.clone(),
             levels: self.levels.clone(),
+            outputs: self.outputs.clone(),
         }
     }
 
@@ -203,6 +207,7 @@ pub fn read_job_with(
                 path: Some(placed.path.clone()),
                 spool: None,
                 levels: JobLevels::default(),
+                outputs: JobOutputs::default(),
             },
             path: Some(placed),
         });
@@ -279,6 +284,7 @@ pub fn read_job_with(
             path: None,
             spool: None,
             levels: JobLevels::default(),
+            outputs: JobOutputs::default(),
         },
         path: None,
     })

@@ -3,6 +3,7 @@
 use crate::duration::whole_ticks;
 use crate::job::{Tool, read_tool};
 use crate::levels::LevelRow;
+use crate::outputs::PathOutputs;
 use crate::read::{Bound, Place, Section};
 use nalgebra::{Vector2, Vector3};
 use trirrr_core::setpoint::Pose;
@@ -35,6 +36,8 @@ pub struct JobPath {
     pub tools: Vec<Option<Tool>>,
     /// Straight parts with levels of the tool's power, in order.
     pub rows: Vec<LevelRow>,
+    /// Changes of outputs, in order.
+    pub outputs: Vec<PathOutputs>,
     /// Largest distance of the played motion from the path, m.
     pub tolerance_m: f64,
     /// Largest deviation of alpha, rad.
@@ -189,6 +192,7 @@ pub(crate) fn read_path(
             dwells,
             tools,
             rows: Vec::new(),
+            outputs: Vec::new(),
             tolerance_m,
             tolerance_rad,
         },

@@ -12,6 +12,7 @@
 #![forbid(unsafe_code)]
 
 mod blocks;
+mod carried;
 pub mod cases;
 mod contact;
 mod controller;
@@ -35,6 +36,7 @@ mod longest_stop;
 mod machine;
 mod obstacle;
 pub mod offer;
+mod outputs;
 mod path;
 mod peak;
 pub mod pipeline;
@@ -56,10 +58,12 @@ mod tolerances;
 mod tool;
 mod tools;
 mod unplanned;
+mod values;
 mod visible;
 pub mod words;
 
 pub use blocks::{BlockCutter, PathBlock};
+pub use carried::{CarriedTools, ToolBody};
 pub use contact::{Contact, ContactFriction};
 pub use controller::{Controller, Timing};
 pub use drive::{
@@ -70,6 +74,7 @@ pub use error::{Problem, SceneError};
 pub use feedback::Feedback;
 pub use homing::Homing;
 pub use inputs::{InputPorts, NormalContact};
+pub use io::{SpareInput, SpareOutput, SparePins};
 pub use job::{Job, JobMove, Tool};
 pub use job_path::{Dwell, FreeAlpha, JobPath};
 pub use kind::MachineKind;
@@ -78,6 +83,7 @@ pub use limits::MissingLimit;
 pub use long_job::UntakenJob;
 pub use longest_stop::LongestStop;
 pub use obstacle::limited;
+pub use outputs::{JobOutputs, OutputBits, PathOutputs};
 pub use path::{MoveVerdict, judge_move};
 pub use planning::{MOVE_COLUMNS, PlannedJob, plan_job};
 pub use plant::{Friction, JointFriction, Method, Plant, Transmission};
@@ -97,4 +103,5 @@ pub use tools::{MountableTool, ToolRack};
 pub use trirrr_core;
 pub use trirrr_core::limits::LimitParameters as Limits;
 pub use unplanned::Unplanned;
+pub use values::values;
 pub use visible::{visible, visible_lines};

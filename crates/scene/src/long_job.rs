@@ -6,6 +6,7 @@ use crate::in_order::in_order;
 use crate::job::Job;
 use crate::levels::JobLevels;
 use crate::longest_stop::{StopMoves, StopsSoFar};
+use crate::outputs::JobOutputs;
 use crate::planning::{check_ticks, join, plan_block};
 use crate::spool::SpoolWriter;
 use crate::unplanned::Unplanned;
@@ -43,17 +44,18 @@ impl Scene {
         // None once a move is not judged again as it was when it was planned.
         let mut so_far = Some(StopsSoFar::default());
         let plan = |block: PathBlock| {
-            let steps = plan_block(scene, &block)?.into_iter();
-            let moves: Vec<_> = steps.map(|(_, each)| each).collect();
+            let (steps, outputs) = plan_block(scene, &block)?;
+            let moves: Vec<_> = steps.into_iter().map(|(_, each)| each).collect();
             let judged = StopMoves::judged(scene, moves.clone());
             let stops = judged.map(|judged| {
                 let stops = judged.stops(scene, u64::MAX, false);
                 (judged, stops)
             });
-            Ok((moves, stops))
+            Ok((moves, stops, outputs))
         };
         let blocks = blocks.map(|block| block.map_err(UntakenJob::Path));
-        in_order(blocks, plan, |(mut moves, stops)| {
+        let mut all_outputs = JobOutputs::default();
+        in_order(blocks, plan, |(mut moves, stops, outputs)| {
             join(spool.last(), moves.first_mut());
             so_far = so_far
                 .take()
@@ -63,6 +65,7 @@ impl Scene {
                     so_far.add(scene, &judged, &stops);
                     so_far
                 });
+            all_outputs.append(spool.count(), &outputs);
             spool.write(&moves).map_err(UntakenJob::Spool)
         })?;
         check_ticks(spool.ticks())?;
@@ -74,6 +77,7 @@ impl Scene {
             path: None,
             spool: Some(Arc::new(spool)),
             levels: JobLevels::default(),
+            outputs: all_outputs,
         };
         Ok(())
     }

@@ -71,6 +71,7 @@ impl StopMoves {
             path: None,
             spool: None,
             levels: JobLevels::default(),
+            outputs: crate::JobOutputs::default(),
             start: scene.job.start,
         };
         let trial = Scene {

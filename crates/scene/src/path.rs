@@ -109,6 +109,7 @@ pub fn judge_move(scene: &Scene, each: &JobMove) -> Result<MoveVerdict, String> 
             start: each.from,
             moves: vec![*each],
             levels: JobLevels::default(),
+            outputs: crate::JobOutputs::default(),
             path: None,
             spool: None,
         },

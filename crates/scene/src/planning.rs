@@ -7,6 +7,7 @@ use crate::job_path::{Dwell, JobPath, PlacedPath};
 use crate::judge::{Judgement, Objection, judge_quickly};
 use crate::levels::{JobLevels, misfit};
 use crate::offer::CAPACITY;
+use crate::outputs::JobOutputs;
 use crate::read::Document;
 use crate::tool::follows_speed;
 use crate::unplanned::Unplanned;
@@ -166,18 +167,19 @@ pub(crate) fn check_ticks(ticks: u64) -> Result<(), Unplanned> {
     }
 }
 
-/// Moves of a block, dwells among them, each with the number of its table in the file.
+/// Moves of a block, dwells among them, each with the number of its table in the file, and the outputs that change with them.
 pub(crate) fn plan_block(
     scene: &Scene,
     block: &PathBlock,
-) -> Result<Vec<(usize, JobMove)>, Unplanned> {
+) -> Result<(Vec<(usize, JobMove)>, JobOutputs), Unplanned> {
     let on = (block.before == 0).then_some(false);
     let planned = plan_part(scene, &block.path, on, Effort::default())
         .map_err(|error| error.in_block(block.first, block.before))?;
-    let steps = planned.steps().into_iter();
-    Ok(steps
-        .map(|(source, each)| (block.first + source, each))
-        .collect())
+    let steps = planned.steps();
+    let outputs = JobOutputs::of(&block.path.outputs, &steps);
+    let steps = steps.into_iter();
+    let steps = steps.map(|(source, each)| (block.first + source, each));
+    Ok((steps.collect(), outputs))
 }
 
 /// Lets the `first` move of a block begin where the move before it ends: pieces meet but for rounding, moves do exactly.
@@ -450,7 +452,8 @@ impl Scene {
         }
         let mut steps: Vec<(usize, JobMove)> = Vec::new();
         let scene = &*self;
-        let plan = |block: PathBlock| plan_block(scene, &block);
+        // The whole path has them, too.
+        let plan = |block: PathBlock| plan_block(scene, &block).map(|(steps, _)| steps);
         in_order(blocks(path).map(Ok), plan, |mut block| {
             let first = block.first_mut().map(|(_, first)| first);
             join(steps.last().map(|(_, last)| last), first);
@@ -469,6 +472,7 @@ impl Scene {
         path: JobPath,
     ) -> Result<(), Unplanned> {
         let levels = JobLevels::of(&path.rows, &mut steps);
+        let outputs = JobOutputs::of(&path.outputs, &steps);
         let sources: Vec<usize> = steps.iter().map(|(source, _)| *source).collect();
         let moves: Vec<JobMove> = steps.into_iter().map(|(_, each)| each).collect();
         if !levels.is_empty() {
@@ -478,6 +482,7 @@ impl Scene {
                     path: None,
                     spool: None,
                     levels: JobLevels::default(),
+                    outputs: JobOutputs::default(),
                     ..self.job
                 },
                 ..self.clone()
@@ -492,6 +497,7 @@ impl Scene {
             path: Some(path),
             spool: None,
             levels,
+            outputs,
             ..self.job
         };
         Ok(())

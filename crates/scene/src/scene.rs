@@ -8,7 +8,7 @@ use crate::feedback::{Feedback, read_feedback};
 use crate::homing::{Homing, PlacedHoming, read_homing};
 use crate::homing_path::check_homing;
 use crate::inputs::{InputPorts, read_inputs};
-use crate::io::read_lamp;
+use crate::io::{SparePins, read_io};
 use crate::job::{Job, PlacedJob, read_job};
 use crate::kind::refuse_redundant;
 use crate::limits::read_limits;
@@ -97,6 +97,8 @@ pub struct Scene {
     pub inputs: InputPorts,
     /// The machine has a status lamp.
     pub has_lamp: bool,
+    /// Spare outputs and inputs of its board.
+    pub spare_pins: SparePins,
     /// Homing by which the machine finds its motors' positions, if it does not know them.
     pub homing: Option<Homing>,
     /// Job that the machine is to do.
@@ -436,9 +438,10 @@ fn read_scene(
     }
     let homing = read_homing(root, rate, limits.as_ref(), drives.flatten().as_ref());
     let inputs = read_inputs(root, rate, homing.as_ref());
-    let has_lamp = read_lamp(root);
+    let io = read_io(root, rate);
     let placed = read_job(document, root, rate)?;
     let homing = homing?;
+    let (has_lamp, spare_pins) = io?;
     let plant = plant?;
     let mut scene = Scene {
         key,
@@ -460,7 +463,8 @@ fn read_scene(
         contact: contact?,
         tool: tool?,
         inputs: inputs?,
-        has_lamp: has_lamp?,
+        has_lamp,
+        spare_pins,
         homing: homing.as_ref().map(|placed| placed.homing),
         job: placed.job.clone(),
         controller: controller?,

@@ -26,6 +26,8 @@ pub struct Service {
     pub adjustable: bool,
     /// The program of a board may be replaced over its line.
     pub update: bool,
+    /// A board takes the values of another scene over its line, and keeps them.
+    pub scene_over_line: bool,
     /// One telemetry sample every so many ticks, from 1, until a client asks for another rate.
     pub telemetry_ticks: u32,
 }
@@ -41,6 +43,7 @@ impl Default for Service {
             power_lists: 0,
             adjustable: false,
             update: false,
+            scene_over_line: false,
             telemetry_ticks: 1,
         }
     }
@@ -118,6 +121,10 @@ pub(crate) fn read_service(
         true => section.boolean("update"),
         false => Some(default.update),
     };
+    let scene_over_line = match section.has("scene_over_line") {
+        true => read_scene_over_line(&section, adjustable, update),
+        false => Some(default.scene_over_line),
+    };
     Some(Service {
         silence_timeout_s: silence_timeout_s?,
         hold_ramp_s: hold_ramp_s?,
@@ -127,8 +134,29 @@ pub(crate) fn read_service(
         power_lists: power_lists?,
         adjustable: adjustable?,
         update: update?,
+        scene_over_line: scene_over_line?,
         telemetry_ticks: telemetry_ticks?,
     })
+}
+
+/// Reads `scene_over_line`, which needs the code of `adjustable` and the flash of `update`.
+fn read_scene_over_line(
+    section: &Section,
+    adjustable: Option<bool>,
+    update: Option<bool>,
+) -> Option<bool> {
+    let takes = section.boolean("scene_over_line")?;
+    for (needed, name, reason) in [
+        (adjustable, "adjustable", "builds machines from values"),
+        (update, "update", "has the flash to keep a scene in"),
+    ] {
+        if takes && needed == Some(false) {
+            let reason = format!("needs {name} = true beside it: such an image {reason}");
+            section.refuse("scene_over_line", reason);
+            return None;
+        }
+    }
+    Some(takes)
 }
 
 /// Fewest and most levels of power for which a machine may have room.

@@ -126,6 +126,11 @@ impl SpoolWriter {
         self.facts.ticks
     }
 
+    /// Number of the moves so far.
+    pub(crate) fn count(&self) -> u32 {
+        self.facts.count
+    }
+
     /// The last move so far.
     pub(crate) fn last(&self) -> Option<&JobMove> {
         self.last.as_ref()

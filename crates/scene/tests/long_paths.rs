@@ -7,7 +7,10 @@ use trirrr_core::setpoint::Pose;
 use trirrr_plan::corner::{CornerRounding, round_corners};
 use trirrr_plan::course::PathPiece;
 use trirrr_plan::piece::{Piece, PlaneCurve};
-use trirrr_scene::{BlockCutter, Dwell, JobPath, PathBlock, Scene, Tool, Unplanned, UntakenJob};
+use trirrr_scene::{
+    BlockCutter, Dwell, JobPath, OutputBits, PathBlock, PathOutputs, Scene, Tool, Unplanned,
+    UntakenJob,
+};
 
 const ENGRAVING: &str = include_str!("../../../scenes/engraving.toml");
 const CORNER_M: f64 = 1e-5;
@@ -72,9 +75,29 @@ impl Chords {
             dwells: self.dwells.clone(),
             tools: self.tools.clone(),
             rows: Vec::new(),
+            outputs: self.outputs(),
             tolerance_m: TOLERANCES[0],
             tolerance_rad: TOLERANCES[1],
         }
+    }
+
+    /// Outputs that change at every 700th piece, and in each dwell.
+    fn outputs(&self) -> Vec<PathOutputs> {
+        let mut changes: Vec<PathOutputs> = Vec::new();
+        for piece in self.pieces.iter().step_by(700) {
+            changes.push(PathOutputs {
+                source: piece.source,
+                with_motion: true,
+                bits: OutputBits::one((piece.source / 700 % 3) as u8, piece.source % 2 == 0),
+            });
+        }
+        changes.extend(self.dwells.iter().map(|dwell| PathOutputs {
+            source: dwell.source,
+            with_motion: false,
+            bits: OutputBits::one(7, dwell.source % 4 < 2),
+        }));
+        changes.sort_by_key(|change| change.source);
+        changes
     }
 
     /// Blocks as a reader of a file makes them, with the fewest pieces in memory.
@@ -84,7 +107,12 @@ impl Chords {
         let mut corners = CornerRounding::new(CORNER_M);
         let mut blocks = Vec::new();
         let mut dwells = self.dwells.iter().peekable();
+        let outputs = self.outputs();
+        let mut outputs = outputs.iter().peekable();
         for piece in &self.pieces {
+            while let Some(change) = outputs.next_if(|change| change.source <= piece.source) {
+                cutter.outputs(*change);
+            }
             while let Some(dwell) = dwells.next_if(|dwell| dwell.source < piece.source) {
                 cutter.tool(dwell.source, None);
                 cutter.dwell(*dwell);
@@ -93,6 +121,7 @@ impl Chords {
             corners.push(*piece, |piece| blocks.extend(cutter.piece(piece)));
         }
         corners.finish(|piece| blocks.extend(cutter.piece(piece)));
+        outputs.for_each(|change| cutter.outputs(*change));
         for dwell in dwells {
             cutter.tool(dwell.source, None);
             cutter.dwell(*dwell);
@@ -115,6 +144,18 @@ fn moves_in_a_file_are_those_in_memory() {
     let spool = spooled.job.spool.clone().unwrap();
     let all = spool.read(0..u32::MAX).unwrap();
     assert_eq!(all.moves, held.job.moves);
+    assert_eq!(spooled.job.outputs, held.job.outputs);
+    let changes = held.job.outputs.changes();
+    assert!(changes.len() > 15, "{}", changes.len());
+    // Those of dwells are with moves that stand.
+    for (index, bits) in changes {
+        let each = &held.job.moves[*index as usize];
+        assert_eq!(
+            each.from == each.to,
+            (bits.on | bits.off) & 0x80 != 0,
+            "{index}"
+        );
+    }
     assert!(held.job.moves.iter().any(|each| each.tool.is_none()));
     // Facts and parts of the job.
     assert_eq!(spooled.job.count(), held.job.moves.len());

@@ -11,6 +11,7 @@ use super::scene::{Scene, Setup, Slot};
 use super::service::Service;
 use super::settings::Settings;
 use super::splice::{SpliceChannels, SplicesOf};
+use crate::digital::DigitalKind;
 use crate::feedback::Feedback;
 use crate::levels::LevelKind;
 use crate::number::ServiceNumber;
@@ -52,6 +53,7 @@ pub struct Channels<S: Scene, const MOVES: usize, const SAMPLES: usize> {
     feedback: S::Feedback,
     contact: S::Contact,
     levels: S::Levels,
+    digital: S::Digital,
     planner: S::Planner,
     window: RequestWindow<S>,
     shared: SharedCounters,
@@ -102,6 +104,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
             feedback: S::Feedback::EMPTY,
             contact: S::Contact::EMPTY,
             levels: S::Levels::EMPTY,
+            digital: S::Digital::EMPTY,
             planner: S::Planner::EMPTY,
             window: RequestWindow::EMPTY,
             shared: SharedCounters::new(),
@@ -162,6 +165,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
         let (feedback_in, feedback_out) = self.feedback.split(scene.feedback());
         let (contact_in, contact_out) = self.contact.split(scene.contact());
         let (store, player) = self.levels.split(settings.period, scene.levels());
+        let (digital_in, digital_out) = self.digital.split(scene.digital());
         let shared = &self.shared;
         self.planner.set_up(settings.planning);
         let foreground = Foreground::new(
@@ -178,6 +182,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
                 feedback: feedback_out,
                 contact: contact_out,
                 levels: player,
+                digital: digital_out,
                 reports: Sender::new(reports_in),
                 faults: Sender::new(faults_in),
                 samples: Sender::new(samples_in),
@@ -198,6 +203,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const MOVES: usize, const SAMPLES: usize
                 feedback: feedback_in,
                 contact: contact_in,
                 levels: store,
+                digital: digital_in,
                 reports: Receiver::new(reports_out),
                 faults: Receiver::new(faults_out),
                 samples: Receiver::new(samples_out),

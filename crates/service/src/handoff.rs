@@ -11,6 +11,7 @@
 //! | tick | background | queue | telemetry samples |
 //! | each | the other | [`SharedCounters`] | counters, each with one writer |
 
+use super::digital::DigitalReportOf;
 use super::feedback::FeedbackReportOf;
 use super::interlock::InterlockReportOf;
 use super::pace::{MovePaces, Room};
@@ -67,6 +68,11 @@ pub(super) enum Order {
     },
     /// A new scene is in its slot.
     Adopt,
+    /// Changes spare outputs.
+    Output {
+        on: u8,
+        off: u8,
+    },
     /// Homing; the way from where it ends is the recovery at the head of its queue.
     Home,
 }
@@ -81,7 +87,7 @@ pub(super) struct Recover<N: Number> {
 
 /// State of the tick, after something changed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct TickReport<N: Number, R, F, I> {
+pub(super) struct TickReport<N: Number, R, F, I, D> {
     /// Orders taken so far, modulo 256.
     pub(super) orders: u8,
     pub(super) generation: u8,
@@ -105,6 +111,8 @@ pub(super) struct TickReport<N: Number, R, F, I> {
     pub(super) feedback: F,
     /// Interlocks.
     pub(super) interlocks: I,
+    /// Spare inputs and outputs.
+    pub(super) digital: D,
 }
 
 /// Report of a service of the scene `S`.
@@ -113,6 +121,7 @@ pub(super) type ReportOf<S> = TickReport<
     <SplicesOf<S> as SpliceChannels<<S as Scene>::N, <S as Scene>::Curves>>::Report,
     FeedbackReportOf<S>,
     InterlockReportOf<S>,
+    DigitalReportOf<S>,
 >;
 
 /// Counters, each with one writer. Loads and stores only: not every core has more.

@@ -38,6 +38,7 @@ mod background;
 mod channels;
 mod coefficients;
 mod contact;
+mod digital;
 mod feed;
 mod feedback;
 mod foreground;
@@ -68,6 +69,9 @@ pub use contact::{
     ContactChannels, ContactCoefficients, ContactMemory, ContactModel, ContactObserver,
     ContactParameters, ContactReceiver, ContactThresholds, ContactWatch, Deviation,
 };
+pub use digital::{
+    DigitalKind, DigitalParameters, DigitalPlayer, DigitalPorts, DigitalReadingsOf, DigitalSender,
+};
 pub use feedback::{
     DriveFeedback, DriveWatch, Feedback, FeedbackCoefficients, FeedbackParameters,
     FeedbackReceiver, FeedbackReport, Readings, ReadingsOf, WatchLimits,
@@ -89,8 +93,9 @@ pub use pace::{MovePaces, Pace, Ramp};
 pub use planner::{PathPlanner, PathStep, Planning};
 pub use retreat::{NoRetreat, RetreatKind, Retreats, Trail};
 pub use scene::{
-    Adjustable, Compiled, ImageSlot, NoSlot, Parts, Put, Scene, Setup, Slot, Take, WithContact,
-    WithFeedback, WithHoming, WithInterlocks, WithLevels, WithUpdate,
+    Adjustable, Compiled, ImageSlot, NoSlot, Parts, Put, Scene, SceneValues, Setup, Slot,
+    StepperValues, Take, WithContact, WithDigital, WithFeedback, WithHoming, WithInterlocks,
+    WithLevels, WithUpdate, needs_of_model,
 };
 pub use service::{Played, Service};
 pub use settings::{PowerTimes, Reactions, SceneIdentity, Settings, StopCategory, key, name};

@@ -8,6 +8,8 @@
 //! comes to rest within what is queued if x is at most the sum of 2 j s: the room. The room is counted in levels times
 //! ticks of path.
 
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
 use trirrr_core::to_source;
 
 /// Levels by which the pace changes at most from one tick to the next.
@@ -21,7 +23,7 @@ const PARTED: u32 = 16;
 
 /// Greatest rates at which the pace may change, in levels a tick: at rest, and at normal speed, where they are not
 /// greater. What lies between may be had between.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Pace {
     /// Of slowing down.
     pub slower: [u8; 2],
@@ -70,7 +72,7 @@ impl Pace {
 }
 
 /// Ramp of a hold, a stop or a resume.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Ramp {
     /// Ticks from normal speed to rest where the limits leave room; positive.
     pub ticks: u16,

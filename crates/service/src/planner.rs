@@ -2,14 +2,18 @@
 
 use crate::admission::Path;
 use crate::number::ServiceNumber;
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
 use trirrr_core::model::Model;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::to_source;
-use trirrr_protocol::message::{PathPiece, QuinticMove, Violation};
+use trirrr_protocol::message::{PathPiece, QuinticMove, Transmit, Violation};
 
 /// Tolerances and steps of a planner, in the machine's units.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
+#[serde(bound = "N: Transmit")]
+#[postcard(bound = "N: Transmit")]
 pub struct Planning<N: Number> {
     /// Length of a tick.
     pub period: N,

@@ -1,6 +1,7 @@
 //! The front door: a whole service in one thread.
 
 use crate::background::Background;
+use crate::digital::DigitalReadingsOf;
 use crate::feedback::ReadingsOf;
 use crate::foreground::{Foreground, Output};
 use crate::homing::Homing;
@@ -134,6 +135,16 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'q, S, LI
     /// Takes what the contacts of the interlocks tell, before the tick, see [`Foreground::sense`].
     pub fn sense(&mut self, readings: InterlockReadingsOf<S>) {
         self.foreground.sense(readings);
+    }
+
+    /// Takes the levels of the spare inputs, before the tick, see [`Foreground::sense_digital`].
+    pub fn sense_digital(&mut self, readings: DigitalReadingsOf<S>) {
+        self.foreground.sense_digital(readings);
+    }
+
+    /// Returns the spare outputs that are on, see [`Foreground::digital_outputs`].
+    pub fn digital_outputs(&self) -> u8 {
+        self.foreground.digital_outputs()
     }
 
     /// Returns the output of the last tick.

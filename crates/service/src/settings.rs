@@ -2,6 +2,8 @@
 
 use crate::pace::Ramp;
 use crate::planner::Planning;
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
 use trirrr_core::number::Number;
 use trirrr_core::to_source;
 use trirrr_core::units::Units;
@@ -37,7 +39,7 @@ pub struct Settings<N: Number> {
 }
 
 /// Times of switching drives on and off, in ticks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct PowerTimes {
     /// From drives on until they hold the motors.
     pub drives_ticks: u16,
@@ -55,7 +57,7 @@ impl PowerTimes {
 }
 
 /// Stop of a machine at a fault: the categories of IEC 60204-1.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum StopCategory {
     /// Category 0: the drives go off at once, and the brake engages.
     Off,
@@ -68,7 +70,7 @@ pub enum StopCategory {
 to_source!(pub StopCategory in trirrr_service: Off, StopThenOff, StopAndHold);
 
 /// Stops at the faults that leave a machine controllable. At any other the drives go off at once.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Reactions {
     /// At a [limit](FaultCode::Limit) of the results of a tick.
     pub limit: StopCategory,

@@ -46,6 +46,19 @@ pub enum Act {
     },
     /// The machine stands until the user goes on (M0).
     Pause,
+    /// An output of the machine goes on or off.
+    Output(OutputAct),
+}
+
+/// Change of an output.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct OutputAct {
+    /// Number of the output, from 0, below 8.
+    pub index: u8,
+    /// True: it goes on.
+    pub on: bool,
+    /// True: as the next motion begins (M62, M63). False: where the path stands, at rest (M64, M65).
+    pub with_motion: bool,
 }
 
 /// Motion of the tool point from where the path stands. Alpha goes evenly with the way.

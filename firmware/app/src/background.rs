@@ -1,13 +1,14 @@
 //! Work below the tick, a bounded slice at a time.
 
 use crate::heartbeat::Monitor;
-use crate::line::{Line, Received};
+use crate::line::{Line, ReceivedBytes};
 use crate::log;
 use crate::scene::Scalar;
 use crate::service::{MessageRef, SceneBackground};
 #[cfg(update)]
 use crate::update;
 use embedded_hal_nb::serial::Write;
+use heapless::spsc::Consumer;
 use trirrr_protocol::message::Event;
 #[cfg(update)]
 use trirrr_protocol::message::Reply;
@@ -17,10 +18,11 @@ const MESSAGES: usize = 8;
 
 /// Half of the service that talks, with the line, the log and the watchdog's condition.
 ///
-/// `W` is the line's transmitter, `L` that of the log.
-pub struct Background<W, L> {
+/// `W` is the line's transmitter, `L` that of the log, `R` the line's receiver: the queue that an interrupt fills, or a DMA.
+pub struct Background<W, L, R = Consumer<'static, u8>> {
     service: SceneBackground,
     line: Line,
+    receiver: R,
     transmitter: W,
     log: L,
     heartbeat: Monitor,
@@ -28,12 +30,13 @@ pub struct Background<W, L> {
     replied: bool,
 }
 
-impl<W: Write<u8>, L: Write<u8>> Background<W, L> {
-    /// Joins the service's half with the queue of received bytes and both transmitters.
-    pub fn new(service: SceneBackground, received: Received, transmitter: W, log: L) -> Self {
+impl<W: Write<u8>, L: Write<u8>, R: ReceivedBytes> Background<W, L, R> {
+    /// Joins the service's half with the line's receiver and both transmitters.
+    pub fn new(service: SceneBackground, receiver: R, transmitter: W, log: L) -> Self {
         Self {
             service,
-            line: Line::new(received),
+            line: Line::new(),
+            receiver,
             transmitter,
             log,
             heartbeat: Monitor::default(),
@@ -53,16 +56,27 @@ impl<W: Write<u8>, L: Write<u8>> Background<W, L> {
             // A slice of admission may outlast a tick: all that the line takes goes out before it, or samples
             // are lost.
             for _ in 0..MESSAGES {
-                if !put_next(&mut self.service, &mut self.line, &mut self.replied) {
+                if !self.converse() {
                     break;
                 }
-                self.line.send(&mut self.transmitter);
             }
             step(&mut self.service);
             log::drain(&mut self.log);
             #[cfg(update)]
             update::restart_if_asked();
         }
+    }
+
+    /// Takes what has come, and puts the next message on the line. Returns `true` if there was one.
+    // A call: the loop around it would be unrolled.
+    #[inline(never)]
+    fn converse(&mut self) -> bool {
+        self.line.listen(&mut self.receiver);
+        let has_put = put_next(&mut self.service, &mut self.line, &mut self.replied);
+        if has_put {
+            self.line.send(&mut self.transmitter);
+        }
+        has_put
     }
 }
 
@@ -137,6 +151,6 @@ fn log_event(event: &Event<Scalar>) {
         ),
         #[cfg(not(interlocks))]
         Event::Inputs(_) => {}
-        Event::Probe(_) => {}
+        Event::Probe(_) | Event::Digital(_) => {}
     }
 }

@@ -63,6 +63,11 @@ impl<I: Inputs> Inputs for FaultInjection<I> {
         }
     }
 
+    #[cfg(digital)]
+    fn digital(&mut self) -> u8 {
+        self.inputs.digital()
+    }
+
     fn shift(&mut self, by: [Angle; 3]) {
         self.inputs.shift(by);
     }

@@ -33,6 +33,13 @@ pub trait Inputs {
         Default::default()
     }
 
+    /// Reads the spare inputs: a bit for each, set while it is active.
+    #[cfg(digital)]
+    #[inline(always)]
+    fn digital(&mut self) -> u8 {
+        0
+    }
+
     /// Follows a new zero of the joint angles: all are greater `by` so much from now on, without a motion.
     /// Only simulated switches have to know.
     #[inline(always)]

@@ -1,7 +1,7 @@
 //! Program that every board runs: the service of one scene between a serial line and the motors.
 //!
 //! A board package owns pins, clocks, interrupts and priorities. It calls, in the order of a tick: the
-//! line's interrupt puts bytes into a queue, the [`Background`] makes requests of the bytes and moves of the
+//! line's interrupt or DMA puts bytes into memory, the [`Background`] makes requests of the bytes and moves of the
 //! requests, the [`Tick`] plays the moves and hands its outputs to the drives.
 //!
 //! | priority | task | code |
@@ -21,6 +21,8 @@
 mod background;
 #[cfg(target_os = "none")]
 pub mod cause;
+#[cfg(all(target_os = "none", digital))]
+pub mod digital;
 #[cfg(target_os = "none")]
 pub mod failure;
 #[cfg(all(target_os = "none", feature = "fault-injection"))]
@@ -48,6 +50,8 @@ pub mod scene;
 mod service;
 #[cfg(all(target_os = "none", drive = "stepper"))]
 pub mod slots;
+#[cfg(all(target_os = "none", scene_over_line))]
+mod stored_scene;
 #[cfg(target_os = "none")]
 mod tick;
 #[cfg(target_os = "none")]
@@ -64,7 +68,7 @@ pub use heartbeat::WATCHDOG_MS;
 #[cfg(all(target_os = "none", lamp))]
 pub use lamp::LampPin;
 #[cfg(target_os = "none")]
-pub use line::{BAUD, LOG_BAUD, RECEIVED};
+pub use line::{BAUD, LOG_BAUD, RECEIVED, ReceivedBytes};
 #[cfg(target_os = "none")]
 pub use service::{Channels, Output, Readings, build};
 #[cfg(target_os = "none")]

@@ -11,12 +11,21 @@ pub const BAUD: u32 = 921_600;
 /// Baud rate of the log.
 pub const LOG_BAUD: u32 = 115_200;
 
-/// Places of the queue from the line's interrupt to the background; one stays empty. At 921,600 baud they
+/// Places for received bytes, which interrupt or DMA fills and the background empties; one stays empty. At 921,600 baud they
 /// last for 2.7 ms.
 pub const RECEIVED: usize = 256;
 
-/// Background's end of that queue.
-pub(crate) type Received = Consumer<'static, u8>;
+/// Receiver's end of the line.
+pub trait ReceivedBytes {
+    /// Takes the next byte that has come. Returns none if no further one is there.
+    fn next_byte(&mut self) -> Option<u8>;
+}
+
+impl ReceivedBytes for Consumer<'static, u8> {
+    fn next_byte(&mut self) -> Option<u8> {
+        self.dequeue()
+    }
+}
 
 /// Longest request with its checksum, bytes.
 const REQUEST: usize = decoded_length(longest::<Request>());
@@ -26,8 +35,9 @@ const FRAME: usize = frame_length(longest::<Message>());
 
 /// Both directions of the line, above the hardware.
 pub(crate) struct Line {
-    received: Received,
     decoder: Decoder<REQUEST>,
+    /// Request that has come, and its checksum.
+    request: Option<(Request, u32)>,
     frame: [u8; FRAME],
     /// Bytes of the frame that are sent, then all of its bytes.
     sent: usize,
@@ -35,25 +45,37 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    pub(crate) fn new(received: Received) -> Self {
+    pub(crate) fn new() -> Self {
         Self {
-            received,
             decoder: Decoder::new(),
+            request: None,
             frame: [0; FRAME],
             sent: 0,
             length: 0,
         }
     }
 
-    /// Takes the next request and its checksum out of the received bytes. Drops damaged frames: the host
-    /// repeats them.
-    pub(crate) fn request(&mut self) -> Option<(Request, u32)> {
-        while let Some(byte) = self.received.dequeue() {
-            if let Some(Ok(request)) = self.decoder.feed(byte) {
-                return Some((request, self.decoder.checksum()));
-            }
+    /// Takes received bytes up to the end of a request.
+    pub(crate) fn listen(&mut self, receiver: &mut impl ReceivedBytes) {
+        while self.request.is_none()
+            && let Some(byte) = receiver.next_byte()
+        {
+            self.hear(byte);
         }
-        None
+    }
+
+    /// Takes a byte. Drops damaged frames: the host repeats them.
+    // A call: inlined, the board's crate would compile the decoder for speed.
+    #[inline(never)]
+    fn hear(&mut self, byte: u8) {
+        if let Some(Ok(request)) = self.decoder.feed(byte) {
+            self.request = Some((request, self.decoder.checksum()));
+        }
+    }
+
+    /// Takes the request that has come, and its checksum.
+    pub(crate) fn request(&mut self) -> Option<(Request, u32)> {
+        self.request.take()
     }
 
     /// Returns `true` once the last message is sent.
@@ -69,6 +91,7 @@ impl Line {
     }
 
     /// Hands bytes to the hardware until it would have to wait.
+    #[inline(never)]
     pub(crate) fn send(&mut self, transmitter: &mut impl Write<u8>) {
         while let Some(&byte) = self
             .frame
@@ -76,9 +99,11 @@ impl Line {
             .and_then(<[u8]>::first)
         {
             if transmitter.write(byte).is_err() {
-                return;
+                break;
             }
             self.sent += 1;
         }
+        // A transmitter with a buffer begins now.
+        let _ = transmitter.flush();
     }
 }

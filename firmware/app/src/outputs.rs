@@ -54,6 +54,13 @@ pub trait Outputs {
         let _ = (power, runs);
     }
 
+    /// Switches the spare outputs, a bit for each. As [`work`](Self::work), also behind a tick with a fault.
+    #[cfg(digital)]
+    #[inline(always)]
+    fn switch(&mut self, outputs: u8) {
+        let _ = outputs;
+    }
+
     /// Shows the state of the machine on a lamp. Once per tick.
     #[inline(always)]
     fn show(&mut self, state: State) {
@@ -169,7 +176,7 @@ impl<D: Outputs> Outputs for OrEmulated<D> {
     }
 }
 
-/// Output beside the drives: a brake, a tool, a lamp. `()` is none.
+/// Output beside the drives: a brake, a tool, a lamp, spare outputs. `()` is none.
 pub trait OutputPart {
     /// Carries out the output of a tick, before the drives do.
     #[inline(always)]
@@ -183,6 +190,13 @@ pub trait OutputPart {
         let _ = (power, runs);
     }
 
+    /// As [`Outputs::switch`].
+    #[cfg(digital)]
+    #[inline(always)]
+    fn switch(&mut self, outputs: u8) {
+        let _ = outputs;
+    }
+
     /// As [`Outputs::show`].
     #[inline(always)]
     fn show(&mut self, state: State) {
@@ -192,12 +206,13 @@ pub trait OutputPart {
 
 impl OutputPart for () {}
 
-impl<A: OutputPart, B: OutputPart, C: OutputPart> OutputPart for (A, B, C) {
+impl<A: OutputPart, B: OutputPart, C: OutputPart, D: OutputPart> OutputPart for (A, B, C, D) {
     #[inline(always)]
     fn apply(&mut self, output: &Output) {
         self.0.apply(output);
         self.1.apply(output);
         self.2.apply(output);
+        self.3.apply(output);
     }
 
     #[inline(always)]
@@ -205,6 +220,16 @@ impl<A: OutputPart, B: OutputPart, C: OutputPart> OutputPart for (A, B, C) {
         self.0.work(power, runs);
         self.1.work(power, runs);
         self.2.work(power, runs);
+        self.3.work(power, runs);
+    }
+
+    #[cfg(digital)]
+    #[inline(always)]
+    fn switch(&mut self, outputs: u8) {
+        self.0.switch(outputs);
+        self.1.switch(outputs);
+        self.2.switch(outputs);
+        self.3.switch(outputs);
     }
 
     #[inline(always)]
@@ -212,6 +237,7 @@ impl<A: OutputPart, B: OutputPart, C: OutputPart> OutputPart for (A, B, C) {
         self.0.show(state);
         self.1.show(state);
         self.2.show(state);
+        self.3.show(state);
     }
 }
 
@@ -248,6 +274,12 @@ impl<D: Outputs, P: OutputPart> Outputs for WithParts<D, P> {
     #[inline(always)]
     fn work(&mut self, power: Scalar, runs: bool) {
         self.parts.work(power, runs);
+    }
+
+    #[cfg(digital)]
+    #[inline(always)]
+    fn switch(&mut self, outputs: u8) {
+        self.parts.switch(outputs);
     }
 
     #[inline(always)]

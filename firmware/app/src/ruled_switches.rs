@@ -33,6 +33,11 @@ impl<I: Inputs> Inputs for RuledInputs<I> {
         self.inputs.interlocks()
     }
 
+    #[cfg(digital)]
+    fn digital(&mut self) -> u8 {
+        self.inputs.digital()
+    }
+
     fn shift(&mut self, by: [Angle; 3]) {
         self.switches.shift(by);
     }

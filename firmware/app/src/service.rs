@@ -1,20 +1,24 @@
 //! Service of the scene: its types, its memory, its construction.
 
-#[cfg(contact)]
+#[cfg(all(contact, not(scene_over_line)))]
 use crate::scene::CONTACT;
-#[cfg(feedback)]
+#[cfg(all(feedback, not(scene_over_line)))]
 use crate::scene::FEEDBACK;
-#[cfg(homing)]
+#[cfg(all(homing, not(scene_over_line)))]
 use crate::scene::HOMING;
 #[cfg(levels)]
 use crate::scene::LEVELS;
 #[cfg(not(adjustable))]
 use crate::scene::{BATCHES, COEFFICIENTS, PARTS};
-use crate::scene::{Curves, Model, NAME, Planner, SETTINGS, START, Scalar, TICK_RATE_HZ};
+use crate::scene::{Curves, Model, NAME, Planner, Scalar, TICK_RATE_HZ};
 #[cfg(interlocks)]
 use crate::scene::{INPUTS, INTERLOCKS, Probe};
-#[cfg(adjustable)]
+#[cfg(all(adjustable, not(scene_over_line)))]
 use crate::scene::{LIMITS, PARAMETERS};
+#[cfg(not(scene_over_line))]
+use crate::scene::{SETTINGS, START};
+#[cfg(scene_over_line)]
+use crate::stored_scene::{self, PlayedScene};
 #[cfg(update)]
 use crate::update::NewImage;
 use trirrr_protocol::message::{self, Board, Clock, Firmware, Start};
@@ -87,11 +91,17 @@ type GuardedScene = FeelingScene;
 #[cfg(interlocks)]
 type GuardedScene = WithInterlocks<FeelingScene, INPUTS, Probe>;
 
+/// The same with its spare outputs and inputs, if it has any.
+#[cfg(not(digital))]
+type SwitchedScene = GuardedScene;
+#[cfg(digital)]
+type SwitchedScene = trirrr_service::WithDigital<GuardedScene>;
+
 /// Scene of this image. Its program may be replaced over the line.
 #[cfg(not(update))]
-pub(crate) type ImageScene = GuardedScene;
+pub(crate) type ImageScene = SwitchedScene;
 #[cfg(update)]
-pub(crate) type ImageScene = WithUpdate<GuardedScene, NewImage>;
+pub(crate) type ImageScene = WithUpdate<SwitchedScene, NewImage>;
 
 /// Retreat of this image after a contact.
 #[cfg(all(contact, not(retreat)))]
@@ -140,28 +150,51 @@ pub fn build(
         parts: PARTS,
         types: core::marker::PhantomData,
     };
-    #[cfg(adjustable)]
+    #[cfg(all(adjustable, not(scene_over_line)))]
     let scene = MachineScene::new(PARAMETERS, LIMITS);
+    #[cfg(not(scene_over_line))]
+    let (start, own) = (START, SETTINGS);
+    #[cfg(scene_over_line)]
+    let PlayedScene {
+        parameters,
+        limits,
+        start,
+        settings: own,
+        #[cfg(homing)]
+        homing,
+        #[cfg(feedback)]
+        feedback,
+        #[cfg(contact)]
+        contact,
+    } = stored_scene::played();
+    #[cfg(scene_over_line)]
+    let scene = MachineScene::new(parameters, limits);
     #[cfg(levels)]
     let scene = WithLevels {
         scene,
         room: LEVELS,
     };
+    #[cfg(all(homing, not(scene_over_line)))]
+    let homing = &HOMING;
     #[cfg(homing)]
     let scene = WithHoming {
         scene,
-        homing: Some(&HOMING),
+        homing: Some(homing),
     };
     log_start(&board);
+    #[cfg(all(feedback, not(scene_over_line)))]
+    let feedback = &FEEDBACK;
     #[cfg(feedback)]
     let scene = WithFeedback {
         scene,
-        feedback: Some(&FEEDBACK),
+        feedback: Some(feedback),
     };
+    #[cfg(all(contact, not(scene_over_line)))]
+    let contact = &CONTACT;
     #[cfg(contact)]
     let scene = WithContact {
         scene,
-        contact: Some(&CONTACT),
+        contact: Some(contact),
         retreat: Retreat,
     };
     #[cfg(interlocks)]
@@ -169,6 +202,11 @@ pub fn build(
         scene,
         parameters: INTERLOCKS,
         probe: core::marker::PhantomData,
+    };
+    #[cfg(digital)]
+    let scene = trirrr_service::WithDigital {
+        scene,
+        parameters: crate::scene::DIGITAL,
     };
     #[cfg(update)]
     let scene = WithUpdate {
@@ -180,9 +218,9 @@ pub fn build(
     let settings = Settings {
         board,
         firmware,
-        ..SETTINGS
+        ..own
     };
-    let Ok(halves) = channels.split(scene, START, settings) else {
+    let Ok(halves) = channels.split(scene, start, settings) else {
         panic!("the start is out of reach");
     };
     halves

@@ -59,6 +59,8 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
         // And without interlocks.
         #[allow(clippy::unit_arg)]
         self.foreground.sense(self.inputs.interlocks());
+        #[cfg(digital)]
+        self.foreground.sense_digital(self.inputs.digital());
         self.foreground.tick_with(closed);
         if let Some(by) = self.foreground.shift() {
             self.outputs.shift(by);
@@ -71,11 +73,13 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
         self.outputs.show(self.foreground.state());
     }
 
-    /// Hands the tool its power. After a fault that is none.
+    /// Hands the tool its power, and switches the spare outputs. After a fault that is none.
     #[inline(always)]
     fn work(&mut self) {
         let runs = self.foreground.tool_runs();
         self.outputs.work(self.foreground.output().tool, runs);
+        #[cfg(digital)]
+        self.outputs.switch(self.foreground.digital_outputs());
     }
 
     /// Latches the failure of a drive as a fault and switches all drives off.

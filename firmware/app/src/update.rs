@@ -1,21 +1,24 @@
-//! Update over the line, on the STM32F405: the image goes into the slot of the new one, and the boot loader installs it.
+//! Update over the line, on the STM32F405: the image goes into the slot of the new one, and the boot loader installs it. Values of a
+//! scene go into one of two slots of their own, of an image that takes them.
 #![allow(unsafe_code)]
 
 use crate::heartbeat;
 use crate::scene::TICK_RATE_HZ;
+#[cfg(scene_over_line)]
+use crate::stored_scene;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use cortex_m::peripheral::{SCB, SYST};
 use trirrr_boot::stm32f405::{ChipFlash, watchdog};
 use trirrr_boot::{
-    Flash, FlashError, JournalError, Layout, ReceiveError, Receiver, Stage, WholeImage, confirm,
-    stage,
+    Flash, FlashError, JournalError, Layout, ReceiveError, Receiver, Slot, Stage, WholeImage,
+    confirm, stage,
 };
 use trirrr_protocol::message::{
-    Firmware, ImageHeader, UpdateOutcome, UpdateRefusal, UpdateStatus, UpdateStep,
+    Firmware, ImageHeader, SceneHeader, UpdateOutcome, UpdateRefusal, UpdateStatus, UpdateStep,
 };
 use trirrr_service::ImageSlot;
 
-const LAYOUT: Layout = Layout::STM32F405;
+pub(crate) const LAYOUT: Layout = Layout::STM32F405;
 
 /// Ticks from the answer to a restart until it: all answers are out.
 const RESTART_TICKS: u32 = (TICK_RATE_HZ / 10.0) as u32 + 1;
@@ -44,11 +47,11 @@ impl ImageLabel {
 }
 
 /// Flash whose sectors are erased while the program stands: the chip has one bank, from which the program runs.
-struct StandingFlash(ChipFlash);
+pub(crate) struct StandingFlash(ChipFlash);
 
 impl StandingFlash {
-    /// Only for the background, for the time of a request.
-    fn take() -> Self {
+    /// Only for the background, for the time of a request, and for the start.
+    pub(crate) fn take() -> Self {
         // SAFETY: the background alone takes it, one at a time, and the slots hold no code that runs.
         Self(unsafe { ChipFlash::take() })
     }
@@ -86,6 +89,9 @@ pub struct NewImage {
     receiver: Receiver,
     /// Build of the program that runs.
     firmware: &'static Firmware,
+    /// Slot of the values of a scene, if such come.
+    #[cfg(scene_over_line)]
+    scene: Option<Slot>,
 }
 
 impl NewImage {
@@ -93,7 +99,51 @@ impl NewImage {
         Self {
             receiver: Receiver::NONE,
             firmware,
+            #[cfg(scene_over_line)]
+            scene: None,
         }
+    }
+
+    /// Slot of what comes.
+    #[cfg(not(scene_over_line))]
+    fn slot(&self) -> Slot {
+        LAYOUT.new
+    }
+
+    #[cfg(scene_over_line)]
+    fn slot(&self) -> Slot {
+        self.scene.unwrap_or(LAYOUT.new)
+    }
+
+    #[cfg(not(scene_over_line))]
+    fn begin_scene(&mut self, _: &SceneHeader) -> Result<(), UpdateRefusal> {
+        Err(UpdateRefusal::NoScene)
+    }
+
+    #[cfg(scene_over_line)]
+    fn begin_scene(&mut self, header: &SceneHeader) -> Result<(), UpdateRefusal> {
+        let (slot, room) = stored_scene::room_for(header)?;
+        let values = WholeImage {
+            length: header.length,
+            checksum: header.checksum,
+        };
+        let begun = self.receiver.begin(room, values);
+        begun.map_err(|error| refusal(error, room))?;
+        self.scene = Some(slot);
+        Ok(())
+    }
+
+    fn finish(&mut self, flash: &mut StandingFlash) -> Result<(), UpdateRefusal> {
+        #[cfg(scene_over_line)]
+        if let Some(slot) = &self.scene {
+            let values = self.receiver.whole();
+            let values = values.map_err(|error| refusal(error, slot.room()))?;
+            stored_scene::keep_values(flash, slot, values)?;
+            self.scene = None;
+            return Ok(());
+        }
+        let finished = self.receiver.finish(flash, &LAYOUT);
+        finished.map_err(|error| refusal(error, LAYOUT.new.bytes()))
     }
 
     fn begin(&mut self, header: &ImageHeader) -> Result<(), UpdateRefusal> {
@@ -112,7 +162,14 @@ impl NewImage {
             length: header.length,
             checksum: header.checksum,
         };
-        self.receiver.begin(&LAYOUT, image).map_err(refusal)
+        let room = LAYOUT.new.bytes();
+        let begun = self.receiver.begin(room, image);
+        begun.map_err(|error| refusal(error, room))?;
+        #[cfg(scene_over_line)]
+        {
+            self.scene = None;
+        }
+        Ok(())
     }
 }
 
@@ -121,11 +178,15 @@ impl ImageSlot for NewImage {
         let mut flash = StandingFlash::take();
         match step {
             UpdateStep::Begin(header) => self.begin(header),
-            UpdateStep::Block(block) => self
-                .receiver
-                .block(&mut flash, &LAYOUT, block.offset, block.bytes())
-                .map_err(refusal),
-            UpdateStep::Finish => self.receiver.finish(&mut flash, &LAYOUT).map_err(refusal),
+            UpdateStep::BeginScene(header) => self.begin_scene(header),
+            UpdateStep::Block(block) => {
+                let slot = self.slot();
+                let taken = self
+                    .receiver
+                    .block(&mut flash, &slot, block.offset, block.bytes());
+                taken.map_err(|error| refusal(error, slot.bytes()))
+            }
+            UpdateStep::Finish => self.finish(&mut flash),
             UpdateStep::Restart => {
                 ASKED_AT.store(heartbeat::ticks(), Ordering::Relaxed);
                 RESTARTS.store(true, Ordering::Relaxed);
@@ -149,23 +210,28 @@ impl ImageSlot for NewImage {
             coming: self.receiver.image().map(|image| image.checksum),
             received: self.receiver.received(),
             outcome,
+            #[cfg(not(scene_over_line))]
+            scene: None,
+            #[cfg(scene_over_line)]
+            scene: Some(stored_scene::ROOM),
         }
     }
 }
 
-fn refusal(error: ReceiveError) -> UpdateRefusal {
+/// Refusal of what has at most `longest` bytes.
+fn refusal(error: ReceiveError, longest: u32) -> UpdateRefusal {
     match error {
-        ReceiveError::Length => UpdateRefusal::Length {
-            longest: LAYOUT.new.bytes(),
-        },
+        ReceiveError::Length => UpdateRefusal::Length { longest },
         ReceiveError::NotBegun => UpdateRefusal::NotBegun,
         ReceiveError::Offset { expected } => UpdateRefusal::Block { expected },
         ReceiveError::Checksum { found } => UpdateRefusal::Checksum { found },
         ReceiveError::Journal(JournalError::Full) => UpdateRefusal::JournalFull,
-        ReceiveError::Journal(JournalError::Flash(FlashError { place, status })) => {
-            UpdateRefusal::Flash { place, status }
-        }
+        ReceiveError::Journal(JournalError::Flash(error)) => flash_refusal(error),
     }
+}
+
+pub(crate) fn flash_refusal(FlashError { place, status }: FlashError) -> UpdateRefusal {
+    UpdateRefusal::Flash { place, status }
 }
 
 /// Confirms the program that runs: a host understands it. Does nothing unless it is on trial.

@@ -1,4 +1,4 @@
-//! Inputs of the tick: switches of homing, emergency stop, door, probe and limit switches, all pulled up. An image leaves the pins
+//! Inputs of the tick: switches of homing, emergency stop, door, probe and limit switches, and spare inputs, all pulled up. An image leaves the pins
 //! alone whose inputs its scene does not name.
 
 #[cfg(interlocks)]
@@ -20,9 +20,8 @@ type Switches =
 #[cfg(not(homing))]
 type Switches = trirrr_app::inputs::NoInputs;
 
-/// Inputs of this image.
 #[cfg(interlocks)]
-pub(crate) type BoardInputs = GuardedInputs<
+type Guarded = GuardedInputs<
     Switches,
     (
         StopLine<PulledUp<Stop>>,
@@ -32,7 +31,13 @@ pub(crate) type BoardInputs = GuardedInputs<
     LimitSwitches<PulledUp<Limit1>, PulledUp<Limit2>, PulledUp<Limit3>>,
 >;
 #[cfg(not(interlocks))]
-pub(crate) type BoardInputs = Switches;
+type Guarded = Switches;
+
+/// Inputs of this image.
+#[cfg(digital)]
+pub(crate) type BoardInputs = crate::digital::SensedInputs<Guarded>;
+#[cfg(not(digital))]
+pub(crate) type BoardInputs = Guarded;
 
 /// Pins of the inputs.
 pub(crate) struct InputPins {
@@ -42,6 +47,8 @@ pub(crate) struct InputPins {
     pub(crate) contacts: (Stop, Door, Probe),
     #[cfg(interlocks)]
     pub(crate) limits: (Limit1, Limit2, Limit3),
+    #[cfg(digital)]
+    pub(crate) spare: crate::digital::InputPins,
 }
 
 /// Pulls the pins up that the scene names.
@@ -54,7 +61,7 @@ pub(crate) fn build(pins: InputPins) -> BoardInputs {
     #[cfg(not(homing))]
     let homing = trirrr_app::inputs::NoInputs;
     #[cfg(interlocks)]
-    {
+    let inputs = {
         let (stop, door, probe) = pins.contacts;
         let (first, second, third) = pins.limits;
         GuardedInputs {
@@ -70,10 +77,12 @@ pub(crate) fn build(pins: InputPins) -> BoardInputs {
                 || third.pulled_up(),
             ),
         }
-    }
+    };
     #[cfg(not(interlocks))]
-    {
-        let _ = pins;
-        homing
-    }
+    let inputs = homing;
+    #[cfg(digital)]
+    let inputs = crate::digital::inputs(inputs, pins.spare);
+    #[cfg(not(any(homing, interlocks, digital)))]
+    let _ = pins;
+    inputs
 }

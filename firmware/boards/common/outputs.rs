@@ -1,4 +1,4 @@
-//! Outputs of the tick: the drives, and beside them brake, tool and lamp, where the scene has them.
+//! Outputs of the tick: the drives, and beside them brake, tool, lamp and spare outputs, where the scene has them.
 
 use crate::drives::Drives;
 #[cfg(any(brake, lamp))]
@@ -6,20 +6,24 @@ use crate::wiring::BoardPin;
 use trirrr_app::outputs::WithParts;
 
 #[cfg(brake)]
-type Brake = trirrr_app::outputs::BrakePin<<crate::board::Brake as BoardPin>::Output>;
+type BrakePart = trirrr_app::outputs::BrakePin<<crate::board::Brake as BoardPin>::Output>;
 #[cfg(not(brake))]
-type Brake = ();
+type BrakePart = ();
 #[cfg(not(tool = "none"))]
-type Tool = trirrr_app::outputs::SceneTool<crate::tool::ToolPin>;
+type ToolPart = trirrr_app::outputs::SceneTool<crate::tool::ToolPin>;
 #[cfg(tool = "none")]
-type Tool = ();
+type ToolPart = ();
 #[cfg(lamp)]
-type Lamp = trirrr_app::LampPin<<crate::board::Lamp as BoardPin>::Output>;
+type LampPart = trirrr_app::LampPin<<crate::board::Lamp as BoardPin>::Output>;
 #[cfg(not(lamp))]
-type Lamp = ();
+type LampPart = ();
+#[cfg(digital)]
+type SparePart = crate::digital::SpareOutputPins;
+#[cfg(not(digital))]
+type SparePart = ();
 
 /// Outputs of this image.
-pub(crate) type BoardOutputs = WithParts<Drives, (Brake, Tool, Lamp)>;
+pub(crate) type BoardOutputs = WithParts<Drives, (BrakePart, ToolPart, LampPart, SparePart)>;
 
 /// Drives and tool, which are off, and the pins beside them.
 pub(crate) struct OutputPins {
@@ -30,6 +34,8 @@ pub(crate) struct OutputPins {
     pub(crate) tool: crate::tool::ToolPin,
     #[cfg(lamp)]
     pub(crate) lamp: crate::board::Lamp,
+    #[cfg(digital)]
+    pub(crate) spare: crate::digital::OutputPins,
 }
 
 /// Joins the outputs, all off.
@@ -38,7 +44,7 @@ pub(crate) fn build(pins: OutputPins) -> BoardOutputs {
         drives: pins.drives,
         parts: (
             #[cfg(brake)]
-            Brake::new(pins.brake.output(false)),
+            BrakePart::new(pins.brake.output(false)),
             #[cfg(not(brake))]
             (),
             #[cfg(not(tool = "none"))]
@@ -46,8 +52,12 @@ pub(crate) fn build(pins: OutputPins) -> BoardOutputs {
             #[cfg(tool = "none")]
             (),
             #[cfg(lamp)]
-            Lamp::new(pins.lamp.output(false)),
+            LampPart::new(pins.lamp.output(false)),
             #[cfg(not(lamp))]
+            (),
+            #[cfg(digital)]
+            crate::digital::outputs(pins.spare),
+            #[cfg(not(digital))]
             (),
         ),
     }

@@ -7,7 +7,7 @@ use crate::parts::Ports;
 use crate::pins::{AnyInput, AnyOutput, Inverted, PortInput, PortOutput};
 use trirrr_app::pins::NoPin;
 
-/// Names the interrupt of the line's port `LINE`, and that of USB `USB`: a task is bound to an interrupt by its name alone. Both have to be
+/// Names the interrupt of the line's DMA `LINE`, and that of USB `USB`: a task is bound to an interrupt by its name alone. Both have to be
 /// interrupts of the chip, whichever task the image has.
 macro_rules! line_interrupt {
     ($interrupt:ident, $usb:ident) => {

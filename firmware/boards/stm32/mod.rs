@@ -1,4 +1,4 @@
-//! Code that the STM32s share. The package of a chip has the modules `chip`, `clock`, `drives`, `gpio`, `parts`, `serial` and `timers`, and
+//! Code that the STM32s share. The package of a chip has the modules `chip`, `clock`, `dma`, `drives`, `gpio`, `parts`, `serial` and `timers`, and
 //! brings these into its root.
 
 pub(crate) mod board;
@@ -7,6 +7,8 @@ pub(crate) mod clocking;
 mod common;
 pub(crate) mod counts;
 pub(crate) mod fault_status;
+#[cfg(not(usb))]
+pub(crate) mod line;
 pub(crate) mod pins;
 mod program;
 #[cfg(not(tool = "none"))]

@@ -5,7 +5,7 @@
 //! | above all | NMI, PVD | the crystal has stopped, the supply sags: outputs off, start anew; in images of an STM32F405 with drives or a tool |
 //! | highest | that of the CAN controller | a frame from a drive into its queue, in images for drives on the bus; not a task |
 //! | 4 | TIM7 | a slot of the step pulses, in images for steppers; a sample of the loops, in images for amplifiers |
-//! | 3 | LINE, that of the line's port | a byte from the line into its queue |
+//! | 3 | LINE, that of the DMA of the line's receiver | a round of its ring is full |
 //! | 2 | SysTick | the tick |
 //! | 1 | USB | packets in both directions, in images with the line over USB in place of a port |
 //! | none | | the background |
@@ -18,55 +18,45 @@ mod app {
     use crate::drives::Inbox;
     use crate::drives::{self, DriveTimer};
     use crate::inputs::{self, BoardInputs, InputPins};
+    #[cfg(not(usb))]
+    use crate::line::{LineReceiver, LineTransmitter};
     use crate::outputs::{self, BoardOutputs, OutputPins};
     use crate::parts::{self, Watchdog};
     use crate::serial::{self, LogTransmitter};
-    #[cfg(not(usb))]
-    use crate::serial::{LineReceiver, LineTransmitter};
     #[cfg(usb)]
-    use crate::usb::{self, LineMemory, LineReceiver, LineTransmitter};
-    #[cfg(not(usb))]
-    use embedded_hal_nb::serial::Read;
-    // RTIC names the types of all resources.
-    use heapless::spsc::Producer;
-    #[cfg(any(not(usb), drive = "odrive", drive = "mit", drive = "moteus"))]
+    use crate::usb::{self, PacketMemory, PacketReceiver, PacketTransmitter as LineTransmitter};
+    #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
     use heapless::spsc::Queue;
-    #[cfg(not(usb))]
-    use trirrr_app::RECEIVED;
     use trirrr_app::{Background, Channels, Tick, TickClock, period};
     use trirrr_protocol::message::{Board, Clock};
+
+    /// What the background receives from.
+    #[cfg(usb)]
+    type LineReceiver = heapless::spsc::Consumer<'static, u8>;
 
     #[shared]
     struct Shared {}
 
     #[local]
     struct Local {
-        #[cfg(not(usb))]
-        receiver: LineReceiver,
         #[cfg(usb)]
-        packets: LineReceiver,
-        #[cfg(not(usb))]
-        received: Producer<'static, u8>,
+        packets: PacketReceiver,
         tick: Tick<BoardInputs, BoardOutputs>,
         timer: DriveTimer,
-        background: Background<LineTransmitter, LogTransmitter>,
+        background: Background<LineTransmitter, LogTransmitter, LineReceiver>,
         watchdog: Watchdog,
     }
 
     #[init(local = [
         channels: Channels = Channels::new(),
-        #[cfg(not(usb))]
-        bytes: Queue<u8, RECEIVED> = Queue::new(),
         #[cfg(usb)]
-        memory: LineMemory = LineMemory::new(),
+        memory: PacketMemory = PacketMemory::new(),
         #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
         inbox: Inbox = Queue::new(),
     ])]
     fn init(context: init::Context) -> (Shared, Local) {
         let init::LocalResources {
             channels,
-            #[cfg(not(usb))]
-            bytes,
             #[cfg(usb)]
             memory,
             #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
@@ -90,7 +80,8 @@ mod app {
         #[cfg(usb)]
         let log = serial::start_log((pins.log, pins.log_transmit), &clocks, &mut rcc);
         #[cfg(usb)]
-        let (receiver, bytes, line) = usb::start(memory, (pins.usb_minus, pins.usb_plus), &clocks);
+        let (packets, receiver, line) =
+            usb::start(memory, (pins.usb_minus, pins.usb_plus), &clocks);
 
         let board = Board {
             timer_hz: clocks.core,
@@ -127,6 +118,17 @@ mod app {
             tool,
             #[cfg(lamp)]
             lamp: pins.lamp,
+            #[cfg(digital)]
+            spare: (
+                pins.output_1,
+                pins.output_2,
+                pins.output_3,
+                pins.output_4,
+                pins.output_5,
+                pins.output_6,
+                pins.output_7,
+                pins.output_8,
+            ),
         });
         let inputs = inputs::build(InputPins {
             #[cfg(homing)]
@@ -135,21 +137,26 @@ mod app {
             contacts: (pins.stop, pins.door, pins.probe),
             #[cfg(interlocks)]
             limits: (pins.limit_1, pins.limit_2, pins.limit_3),
+            #[cfg(digital)]
+            spare: (
+                pins.input_1,
+                pins.input_2,
+                pins.input_3,
+                pins.input_4,
+                pins.input_5,
+                pins.input_6,
+                pins.input_7,
+                pins.input_8,
+            ),
         });
         let watchdog = chip.watchdog.start();
-        #[cfg(not(usb))]
-        let (received, bytes) = bytes.split();
         let clock = TickClock::start(context.core.SYST, period);
         let local = Local {
-            #[cfg(not(usb))]
-            receiver,
             #[cfg(usb)]
-            packets: receiver,
-            #[cfg(not(usb))]
-            received,
+            packets,
             tick: Tick::new(foreground, &board, inputs, outputs, clock),
             timer,
-            background: Background::new(background, bytes, line, log),
+            background: Background::new(background, receiver, line, log),
             watchdog,
         };
         (Shared {}, local)
@@ -163,15 +170,11 @@ mod app {
         context.local.timer.run();
     }
 
-    /// Moves a byte from the line into its queue. Above the tick: the receiver holds one byte, and at
-    /// 921,600 baud the next comes 1,822 cycles later, less than a tick may take.
+    /// Counts a round of the line's ring. Above the tick: two rounds must not become one while a tick lasts.
     #[cfg(not(usb))]
-    #[task(binds = LINE, priority = 3, local = [receiver, received])]
-    fn line(context: line::Context) {
-        // A damaged byte, or one without room, damages its frame, which the host repeats.
-        if let Ok(byte) = context.local.receiver.read() {
-            let _ = context.local.received.enqueue(byte);
-        }
+    #[task(binds = LINE, priority = 3)]
+    fn round(_: round::Context) {
+        crate::line::count_round();
     }
 
     /// Handles an event of USB. Below the tick: the controller makes the host wait.

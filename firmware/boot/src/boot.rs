@@ -61,7 +61,7 @@ pub fn boot<F: Flash>(flash: &mut F, layout: &Layout) -> Result<Started, Journal
 }
 
 /// Returns true if the slot holds the image.
-fn is_whole<F: Flash>(flash: &F, slot: &Slot, image: WholeImage) -> bool {
+pub(crate) fn is_whole<F: Flash>(flash: &F, slot: &Slot, image: WholeImage) -> bool {
     let mut left = image.length;
     let mut sum = 0;
     for address in slot.words(image.length) {

@@ -30,7 +30,7 @@ impl Slot {
     }
 }
 
-/// Slots and journal. All slots have the same size.
+/// Slots and journal. The slots of programs have the same size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Layout {
     /// Journal of updates.
@@ -41,22 +41,30 @@ pub struct Layout {
     pub new: Slot,
     /// The program before the last update.
     pub old: Slot,
+    /// Scenes that have come over the line.
+    pub scenes: [Slot; 2],
 }
 
 impl Layout {
-    /// STM32F405RG and VG: 1 MiB in one bank (RM0090, table 5). The boot loader has sector 0. Sectors 2 to 4 and 11 are free: two of
-    /// 16 KiB, each with room for a scene that comes over the line, 64 KiB and 128 KiB.
+    /// STM32F405RG and VG: 1 MiB in one bank (RM0090, table 5). The boot loader has sector 0. Sectors 4 and 11 are free, 64 KiB and
+    /// 128 KiB.
     pub const STM32F405: Self = Self {
-        journal: Slot {
-            start: 0x0800_4000,
-            sector_bytes: 16 * 1024,
-            first_sector: 1,
-            sectors: 1,
-        },
+        journal: Self::small(0x0800_4000, 1),
         program: Self::pair(0x0802_0000, 5),
         new: Self::pair(0x0806_0000, 7),
         old: Self::pair(0x080A_0000, 9),
+        scenes: [Self::small(0x0800_8000, 2), Self::small(0x0800_C000, 3)],
     };
+
+    /// A sector of 16 KiB.
+    const fn small(start: u32, first_sector: u8) -> Slot {
+        Slot {
+            start,
+            sector_bytes: 16 * 1024,
+            first_sector,
+            sectors: 1,
+        }
+    }
 
     /// Two sectors of 128 KiB.
     const fn pair(start: u32, first_sector: u8) -> Slot {

@@ -3,7 +3,8 @@
 //! The flash has three slots and a journal ([`Layout`]). The program runs from the first slot. It writes a new image into the second
 //! ([`Receiver`]), compares its checksum, and asks for it in the journal. At the next start the boot loader ([`boot`])
 //! copies the program into the third slot and the new image into the first, and starts it on trial. The new program
-//! [confirms](confirm) itself. Where it has not, the next start copies the old one back.
+//! [confirms](confirm) itself. Where it has not, the next start copies the old one back. Two smaller slots [keep](kept) a scene that has come
+//! over the line for the program; the boot loader does not look at them.
 //!
 //! # Power cuts
 //! Each step of the boot loader copies from a slot that it does not write, and is repeated from its beginning until the journal has
@@ -20,6 +21,7 @@
 mod boot;
 mod flash;
 mod journal;
+mod kept;
 mod layout;
 mod receive;
 #[cfg(all(target_os = "none", target_arch = "arm"))]
@@ -28,6 +30,7 @@ pub mod stm32f405;
 pub use boot::{Started, boot};
 pub use flash::{Flash, FlashError};
 pub use journal::{JournalError, Stage, WholeImage, confirm, is_blank, request, stage};
+pub use kept::{Kept, keep, kept, read, spare};
 pub use layout::{Layout, Slot};
 pub use receive::{ReceiveError, Receiver};
 

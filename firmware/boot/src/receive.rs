@@ -1,12 +1,12 @@
-//! Image that comes over the line, block by block.
+//! Image, or other content, that comes over the line, block by block.
 
 use crate::journal::{self, JournalError, WholeImage};
-use crate::{Flash, FlashError, Layout, checksum_behind};
+use crate::{Flash, FlashError, Layout, Slot, checksum_behind};
 
 /// Reason for which a part of an image is not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ReceiveError {
-    /// The image is empty, or longer than a slot.
+    /// The image is empty, or longer than its room.
     Length,
     /// No image was begun.
     NotBegun,
@@ -57,12 +57,12 @@ impl Receiver {
         self.received
     }
 
-    /// Begins an image. One that is under way is dropped. Writes nothing.
+    /// Begins an image of at most `room` bytes. One that is under way is dropped. Writes nothing.
     ///
     /// # Errors
-    /// No image, or a longer one than a slot.
-    pub fn begin(&mut self, layout: &Layout, image: WholeImage) -> Result<(), ReceiveError> {
-        if image.length == 0 || image.length > layout.new.bytes() {
+    /// No image, or a longer one.
+    pub fn begin(&mut self, room: u32, image: WholeImage) -> Result<(), ReceiveError> {
+        if image.length == 0 || image.length > room {
             return Err(ReceiveError::Length);
         }
         *self = Self {
@@ -72,14 +72,14 @@ impl Receiver {
         Ok(())
     }
 
-    /// Takes the next block. Erases each sector of the slot as the first byte of it comes.
+    /// Takes the next block into `slot`, the same for all blocks. Erases each of its sectors as the first byte of it comes.
     ///
     /// # Errors
     /// Another block than the next. A flash that fails: then the image is to be begun again.
     pub fn block<F: Flash>(
         &mut self,
         flash: &mut F,
-        layout: &Layout,
+        slot: &Slot,
         offset: u32,
         bytes: &[u8],
     ) -> Result<(), ReceiveError> {
@@ -96,7 +96,6 @@ impl Receiver {
                 expected: self.received,
             });
         }
-        let slot = &layout.new;
         let mut sum = self.sum;
         for (place, part) in (offset..).step_by(4).zip(bytes.chunks(4)) {
             if place.is_multiple_of(slot.sector_bytes) {
@@ -121,6 +120,15 @@ impl Receiver {
     /// # Errors
     /// Bytes are missing, the checksum is another, or the journal has no room.
     pub fn finish<F: Flash>(&mut self, flash: &mut F, layout: &Layout) -> Result<(), ReceiveError> {
+        let image = self.whole()?;
+        journal::request(flash, layout, image).map_err(ReceiveError::Journal)
+    }
+
+    /// Ends what comes, of an image or not: compares its checksum.
+    ///
+    /// # Errors
+    /// Bytes are missing, or the checksum is another.
+    pub fn whole(&mut self) -> Result<WholeImage, ReceiveError> {
         let image = self.image.ok_or(ReceiveError::NotBegun)?;
         if self.received != image.length {
             return Err(ReceiveError::Offset {
@@ -132,6 +140,6 @@ impl Receiver {
         if found != image.checksum {
             return Err(ReceiveError::Checksum { found });
         }
-        journal::request(flash, layout, image).map_err(ReceiveError::Journal)
+        Ok(image)
     }
 }

@@ -5,10 +5,12 @@
 mod constant;
 mod drive;
 mod kinds;
+mod over_line;
 mod source;
 mod tool;
 
 pub use drive::{DriveError, drive, kind, slots_hz};
+pub use over_line::BoardScene;
 pub use source::{source, units};
 pub use tool::tool_kind;
 
@@ -46,7 +48,7 @@ pub fn of_scene(number: NumberType) -> &'static str {
 /// names the number type; the default is the scene's own, with `f32` for `f64`, which is for hosts.
 ///
 /// Sets the kind of the scene's drives as `cfg(drive = "...")`, that of its tool as `cfg(tool = "...")`, `cfg(homing)` for a
-/// scene with homing, `cfg(interlocks)` for one with inputs, of which `cfg(estop)`, `cfg(door)`, `cfg(probe)` and `cfg(limits)` are there (`cfg(limits_at_homing)` where limit switches are those of homing), `cfg(levels)` for one with power lists, `cfg(update)` for one whose program may be replaced over the line, `cfg(adjustable)` for one that clients may change, and `cfg(contact)` for one
+/// scene with homing, `cfg(interlocks)` for one with inputs, of which `cfg(estop)`, `cfg(door)`, `cfg(probe)` and `cfg(limits)` are there (`cfg(limits_at_homing)` where limit switches are those of homing), `cfg(digital)` for one with spare outputs or inputs, `cfg(levels)` for one with power lists, `cfg(update)` for one whose program may be replaced over the line, `cfg(scene_over_line)` for one that takes other scenes, `cfg(adjustable)` for one that clients may change, and `cfg(contact)` for one
 /// that detects contacts. A package with a `links` key hands them on to the build scripts of its dependents, with the [needs](Needs) of the scene. Cargo warns of
 /// a scene that lacks limits of its motors.
 ///
@@ -131,6 +133,10 @@ fn print_kinds(scene: &Scene) {
     if scene.has_lamp {
         println!("cargo:rustc-cfg=lamp");
     }
+    println!("cargo:rustc-check-cfg=cfg(digital)");
+    if scene.spare_pins.are_named() {
+        println!("cargo:rustc-cfg=digital");
+    }
     println!("cargo:rustc-check-cfg=cfg(interlocks, estop, door, probe, limits, limits_at_homing)");
     let interlocks = &scene.inputs.interlocks;
     for (name, is_named) in [
@@ -157,6 +163,10 @@ fn print_kinds(scene: &Scene) {
     if scene.service.update {
         println!("cargo:rustc-cfg=update");
         println!("cargo:update=yes");
+    }
+    println!("cargo:rustc-check-cfg=cfg(scene_over_line)");
+    if scene.service.scene_over_line {
+        println!("cargo:rustc-cfg=scene_over_line");
     }
     println!("cargo:rustc-check-cfg=cfg(feedback)");
     if scene.feedback.is_some() {

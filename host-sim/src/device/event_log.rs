@@ -4,11 +4,13 @@
 use std::io::{self, Write};
 use trirrr_client::describe::{self, Units};
 use trirrr_protocol::message::{Command, Event, Message, Reply, Request, Transmit};
-use trirrr_scene::visible;
+use trirrr_scene::{SparePins, visible};
 
 /// Event log of one device.
 pub(super) struct EventLog {
     units: Units,
+    /// Spare outputs and inputs of the machine.
+    pins: SparePins,
     /// Nothing is printed.
     is_quiet: bool,
     ticks: u64,
@@ -18,9 +20,10 @@ pub(super) struct EventLog {
 }
 
 impl EventLog {
-    pub(super) fn new(units: Units, is_quiet: bool) -> Self {
+    pub(super) fn new(units: Units, pins: SparePins, is_quiet: bool) -> Self {
         Self {
             units,
+            pins,
             is_quiet,
             ticks: 0,
             requests: 0,
@@ -88,7 +91,9 @@ impl EventLog {
             (Event::Verdict(verdict), (number, ticks)) if number == verdict.number => ticks,
             _ => 0,
         };
-        if let Some(text) = describe::event(event, ticks, &self.units) {
+        if let Event::Digital(states) = event {
+            self.note(&describe::digital(states, &self.pins));
+        } else if let Some(text) = describe::event(event, ticks, &self.units) {
             self.note(&text);
         }
     }
@@ -134,5 +139,7 @@ fn name<N: Transmit>(command: &Command<N>) -> &'static str {
         Command::Drives { .. } => "drives",
         Command::UpdateStatus => "state of an update",
         Command::Update(_) => "update",
+        Command::Output { .. } => "output",
+        Command::OutputsAt(_) => "outputs with a move",
     }
 }

@@ -19,6 +19,16 @@ pub(super) enum InputName {
     Probe,
     /// Limit switch of a motor, from 0.
     Limit(u8),
+    /// Spare input, from 0.
+    Spare(u8),
+}
+
+/// What all inputs tell in a tick.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct InputReadings {
+    pub(super) interlocks: InterlockReadings,
+    /// Spare inputs, a bit for each.
+    pub(super) spare: u8,
 }
 
 impl InputName {
@@ -29,6 +39,7 @@ impl InputName {
             Self::Door => "door",
             Self::Probe => "probe",
             Self::Limit(_) => "limits",
+            Self::Spare(_) => "io",
         }
     }
 
@@ -40,6 +51,7 @@ impl InputName {
             Self::Door => interlocks.door.is_some(),
             Self::Probe => interlocks.probe.is_some(),
             Self::Limit(_) => interlocks.limits.is_some(),
+            Self::Spare(index) => usize::from(index) < scene.spare_pins.inputs.len(),
         }
     }
 
@@ -52,10 +64,16 @@ impl InputName {
             Self::Limit(_) => {
                 "limit1, limit2 and limit3 close the limit switch of a motor or open it"
             }
+            Self::Spare(_) => "the name of a spare input makes it active or not",
         }
     }
 
-    fn named(text: &str) -> Option<Self> {
+    /// The input that `text` names, in a scene with the spare inputs `spare`.
+    fn named(text: &str, spare: &[String]) -> Option<Self> {
+        let of_scene = spare.iter().position(|name| name == text);
+        if let Some(index) = of_scene {
+            return Some(Self::Spare(index as u8));
+        }
         match text {
             "estop" | "e" => Some(Self::EmergencyStop),
             "door" | "d" => Some(Self::Door),
@@ -67,25 +85,40 @@ impl InputName {
         }
     }
 
-    fn of(self, readings: &mut InterlockReadings) -> &mut bool {
-        match self {
-            Self::EmergencyStop => &mut readings.emergency_stop,
-            Self::Door => &mut readings.door,
-            Self::Probe => &mut readings.probe,
-            Self::Limit(0) => &mut readings.limits[0],
-            Self::Limit(1) => &mut readings.limits[1],
-            Self::Limit(_) => &mut readings.limits[2],
-        }
+    /// Sets the input in `readings` to what `change` makes of it.
+    fn change(self, readings: &mut InputReadings, change: impl Fn(bool) -> bool) {
+        let InputReadings { interlocks, spare } = readings;
+        let level = match self {
+            Self::EmergencyStop => &mut interlocks.emergency_stop,
+            Self::Door => &mut interlocks.door,
+            Self::Probe => &mut interlocks.probe,
+            Self::Limit(0) => &mut interlocks.limits[0],
+            Self::Limit(1) => &mut interlocks.limits[1],
+            Self::Limit(_) => &mut interlocks.limits[2],
+            Self::Spare(index) => {
+                let is_active = change(*spare >> index & 1 != 0);
+                *spare = *spare & !(1 << index) | u8::from(is_active) << index;
+                return;
+            }
+        };
+        *level = change(*level);
     }
 }
 
-/// All inputs that a line on standard input changes; one of the limit switches for all of them.
-const INPUTS: [InputName; 4] = [
+/// All inputs that a line on standard input changes; one of the limit switches for all of them, and one of the spare inputs.
+const INPUTS: [InputName; 5] = [
     InputName::EmergencyStop,
     InputName::Door,
     InputName::Probe,
     InputName::Limit(0),
+    InputName::Spare(0),
 ];
+
+/// Names of the spare inputs of a scene.
+fn spare_names(scene: &Scene) -> Vec<String> {
+    let inputs = scene.spare_pins.inputs.iter();
+    inputs.map(|input| input.name.clone()).collect()
+}
 
 /// A wall in the plane, which the probe at D touches from there on: `x=0.12`, or `y=0.3`, in m.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -125,9 +158,10 @@ impl Wall {
 }
 
 /// An input that is pressed, or opened, for a time: `estop@1.5..2`, or from a time on: `door@3`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Press {
-    input: InputName,
+    /// Its name, which may be that of a spare input of the scene.
+    input: String,
     /// Begin and end, s of the machine since it was switched on.
     from_s: f64,
     to_s: Option<f64>,
@@ -139,9 +173,6 @@ impl FromStr for Press {
     fn from_str(text: &str) -> Result<Self, String> {
         let expected = "expected INPUT@FROM or INPUT@FROM..TO, such as estop@1.5 or door@2..4 (s)";
         let (name, times) = text.split_once('@').ok_or(expected)?;
-        let input = InputName::named(name).ok_or_else(|| {
-            format!("{name:?} is no input: estop, door, probe, limit1, limit2 and limit3 are")
-        })?;
         let time = |text: &str| match text.parse::<f64>() {
             Ok(time) if time.is_finite() && time >= 0.0 => Ok(time),
             _ => Err(format!("{text:?} is no time in s; {expected}")),
@@ -156,7 +187,7 @@ impl FromStr for Press {
             ));
         }
         Ok(Self {
-            input,
+            input: name.into(),
             from_s,
             to_s,
         })
@@ -173,11 +204,11 @@ impl Press {
 pub(super) struct PressedInputs {
     tick_rate_hz: f64,
     ticks: u64,
-    presses: Vec<Press>,
+    presses: Vec<(InputName, Press)>,
     /// Changes by a person.
     keys: Option<Receiver<InputName>>,
     /// Inputs that a person has pressed.
-    pressed: InterlockReadings,
+    pressed: InputReadings,
     /// Wall that the probe touches.
     wall: Option<Wall>,
     /// Place of D at the start of the job, and in the last tick that had one, m.
@@ -202,16 +233,30 @@ impl PressedInputs {
                 scene.name
             ))
         };
-        if let Some(press) = presses.iter().find(|press| !press.input.is_in(scene)) {
-            let key = press.input.key();
-            return Err(unnamed(&format!("--press {key}"), key));
+        let spare = spare_names(scene);
+        let mut named_presses = Vec::with_capacity(presses.len());
+        for press in presses {
+            let name = &press.input;
+            let input = InputName::named(name, &spare).ok_or_else(|| {
+                CliError::Refused(format!(
+                    "--press: {name:?} is no input of scene {}: estop, door, probe, limit1, limit2 and limit3 may be, and the names of \
+                     its [[io.inputs]] are",
+                    scene.name
+                ))
+            })?;
+            if !input.is_in(scene) {
+                let key = input.key();
+                return Err(unnamed(&format!("--press {key}"), key));
+            }
+            named_presses.push((input, press.clone()));
         }
         if wall.is_some() && !InputName::Probe.is_in(scene) {
             return Err(unnamed("--touch", "probe"));
         }
-        if keys && !scene.inputs.are_named() {
+        if keys && !scene.inputs.are_named() && spare.is_empty() {
             return Err(CliError::Refused(format!(
-                "--keys presses inputs, and scene {} names none: [inputs.estop], [inputs.door], [inputs.probe] or [inputs.limits] would",
+                "--keys presses inputs, and scene {} names none: [inputs.estop], [inputs.door], [inputs.probe], [inputs.limits] or \
+                 [[io.inputs]] would",
                 scene.name
             )));
         }
@@ -221,9 +266,9 @@ impl PressedInputs {
         Ok(Self {
             tick_rate_hz: scene.tick_rate_hz,
             ticks: 0,
-            presses: presses.to_vec(),
-            keys: keys.then(|| listen(named.collect())),
-            pressed: InterlockReadings::default(),
+            presses: named_presses,
+            keys: keys.then(|| listen(named.collect(), spare)),
+            pressed: InputReadings::default(),
             wall,
             start_m,
             place_m: start_m,
@@ -232,34 +277,35 @@ impl PressedInputs {
 
     /// Returns what the inputs tell in the next tick. `place_m`: where D was commanded to be in the last one, m; none in a tick
     /// without a setpoint.
-    pub(super) fn read(&mut self, place_m: Option<[f64; 2]>) -> InterlockReadings {
+    pub(super) fn read(&mut self, place_m: Option<[f64; 2]>) -> InputReadings {
         for input in self.keys.iter().flat_map(Receiver::try_iter) {
-            let pressed = input.of(&mut self.pressed);
-            *pressed = !*pressed;
+            input.change(&mut self.pressed, |is_pressed| !is_pressed);
         }
         // Exact: a count of ticks.
         let time_s = self.ticks as f64 / self.tick_rate_hz;
         self.ticks += 1;
         let mut readings = self.pressed;
-        for press in self.presses.iter().filter(|press| press.is_held(time_s)) {
-            *press.input.of(&mut readings) = true;
+        for (input, press) in &self.presses {
+            if press.is_held(time_s) {
+                input.change(&mut readings, |_| true);
+            }
         }
         self.place_m = place_m.unwrap_or(self.place_m);
         let touches = |wall: Wall| wall.is_touched(self.start_m, self.place_m);
-        readings.probe |= self.wall.is_some_and(touches);
+        readings.interlocks.probe |= self.wall.is_some_and(touches);
         readings
     }
 }
 
 /// Reads lines from standard input as long as there are any, on a thread of its own, which ends with the program. `named` are the inputs
 /// of the scene.
-fn listen(named: Vec<InputName>) -> Receiver<InputName> {
+fn listen(named: Vec<InputName>, spare: Vec<String>) -> Receiver<InputName> {
     let (sender, receiver) = channel();
     let is_named = move |input: InputName| named.iter().any(|each| each.key() == input.key());
     std::thread::spawn(move || {
         for line in io::stdin().lock().lines() {
             let Ok(line) = line else { return };
-            let input = InputName::named(line.trim()).filter(|input| is_named(*input));
+            let input = InputName::named(line.trim(), &spare).filter(|input| is_named(*input));
             match input {
                 Some(input) if sender.send(input).is_err() => return,
                 Some(_) => {}
@@ -281,26 +327,22 @@ mod tests {
 
     #[test]
     fn presses_are_read_with_their_times() {
-        let press = |input, from_s, to_s| Press {
-            input,
+        let press = |input: &str, from_s, to_s| Press {
+            input: input.into(),
             from_s,
             to_s,
         };
         for (text, expected) in [
-            ("estop@1.5", press(InputName::EmergencyStop, 1.5, None)),
-            ("door@2..4", press(InputName::Door, 2.0, Some(4.0))),
-            ("probe@1", press(InputName::Probe, 1.0, None)),
-            ("limit2@1", press(InputName::Limit(1), 1.0, None)),
-            (
-                "e@0..0.01",
-                press(InputName::EmergencyStop, 0.0, Some(0.01)),
-            ),
+            ("estop@1.5", press("estop", 1.5, None)),
+            ("door@2..4", press("door", 2.0, Some(4.0))),
+            ("probe@1", press("probe", 1.0, None)),
+            ("limit2@1", press("limit2", 1.0, None)),
+            ("e@0..0.01", press("e", 0.0, Some(0.01))),
         ] {
             assert_eq!(text.parse(), Ok(expected), "{text}");
         }
         for (text, why) in [
             ("estop", "expected INPUT@FROM"),
-            ("lid@1", "\"lid\" is no input"),
             ("door@x", "\"x\" is no time"),
             ("door@-1", "is no time"),
             ("door@2..2", "does not lie behind"),
@@ -309,6 +351,24 @@ mod tests {
             let said = text.parse::<Press>().expect_err(text);
             assert!(said.contains(why), "{text}: {said}");
         }
+    }
+
+    #[test]
+    fn inputs_are_found_by_name_and_change_one_by_one() {
+        let spare = ["sheet".to_owned(), "door".to_owned()];
+        assert_eq!(InputName::named("lid", &spare), None);
+        // The scene's own name comes first.
+        assert_eq!(InputName::named("door", &spare), Some(InputName::Spare(1)));
+        assert_eq!(InputName::named("door", &[]), Some(InputName::Door));
+        let mut readings = InputReadings::default();
+        for input in [InputName::Spare(1), InputName::Limit(2)] {
+            input.change(&mut readings, |is_active| !is_active);
+        }
+        assert_eq!(readings.spare, 0b10);
+        assert_eq!(readings.interlocks.limits, [false, false, true]);
+        InputName::Spare(0).change(&mut readings, |_| true);
+        InputName::Spare(1).change(&mut readings, |is_active| !is_active);
+        assert_eq!(readings.spare, 0b01);
     }
 
     #[test]

@@ -69,7 +69,9 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
             let position = &played.0.pose.position;
             [position.x, position.y].map(|each| each.to_f64() * *length_m)
         });
-        self.machine.sense(inputs.read(place));
+        let readings = inputs.read(place);
+        self.machine.sense(readings.interlocks);
+        self.machine.sense_digital(readings.spare);
         if let Some(motors) = motors {
             self.machine.inputs(motors.inputs());
         }

@@ -8,7 +8,7 @@ use trirrr_core::setpoint::Pose;
 use trirrr_jobs::{PathReader, PathSink, TOLERANCE_M, TOLERANCE_RAD};
 use trirrr_plan::corner::CornerRounding;
 use trirrr_plan::course::PathPiece;
-use trirrr_scene::{BlockCutter, Dwell, PathBlock, Tool};
+use trirrr_scene::{BlockCutter, Dwell, PathBlock, PathOutputs, Tool};
 use trirrr_toolpath::PathFault;
 use trirrr_toolpath::gcode::{self, GcodeFile, GcodeSetup};
 
@@ -93,6 +93,10 @@ impl PathSink for BlockSink {
 
     fn dwell(&mut self, dwell: Dwell) {
         self.cutter.dwell(dwell);
+    }
+
+    fn outputs(&mut self, outputs: PathOutputs) {
+        self.cutter.outputs(outputs);
     }
 }
 

@@ -1,11 +1,14 @@
-//! `trirrr enable`, `disable`, `drives`, `tool` and `probe`: switches the drives of a machine, shows what they tell, mounts tools, and probes.
+//! `trirrr enable`, `disable`, `drives`, `tool`, `probe` and `output`: switches the drives of a machine, shows what they tell, mounts tools,
+//! probes, and switches spare outputs.
 
 mod geometry;
+mod output;
 mod probe;
 mod talk;
 mod tool;
 
 pub(crate) use geometry::{ReplacedGeometry, replace_geometry};
+pub use output::{OutputArgs, output};
 pub use probe::{ProbeArgs, probe};
 pub(crate) use tool::require_mounted;
 pub use tool::{ToolArgs, tool};

@@ -10,11 +10,8 @@ use std::sync::atomic::AtomicBool;
 use trirrr_client::describe;
 use trirrr_protocol::message::Command;
 use trirrr_protocol::message::scene::{Platform, Section};
-use trirrr_scene::{MountableTool, Scene, ToolRack, in_number_type};
+use trirrr_scene::{CarriedTools, MountableTool, Scene, ToolRack, in_number_type};
 use trirrr_service::ServiceNumber;
-
-/// Relative difference of values that a board has taken into its units and back.
-const ROUNDING: f64 = 1e-9;
 
 /// `trirrr tool`.
 ///
@@ -64,7 +61,7 @@ pub fn tool(args: &ToolArgs, stop: &AtomicBool) -> Result<(), CliError> {
     })
 }
 
-/// Checks that the board of `scene` carries the tool that the scene has mounted: its job is planned for that one.
+/// Checks that the board of `scene` carries the tool that the scene has mounted, for a conversation that plays no job of its own.
 ///
 /// # Errors
 /// Refused: another tool, with the command that mounts this one. Failed: the port, or the board.
@@ -73,25 +70,14 @@ pub(crate) fn require_mounted<N: ServiceNumber>(
     scene: &Scene,
     stop: &AtomicBool,
 ) -> Result<(), CliError> {
-    let Some(rack) = &scene.tools else {
+    let Some(tools) = CarriedTools::of(scene) else {
         return Ok(());
     };
     let mut talk = Talk::<N>::open(args, scene, stop)?;
-    let found = mounted(&read_platform(&mut talk)?, scene, rack);
-    if found == Some(rack.mounted()) {
-        return Ok(());
+    match tools.found(&read_platform(&mut talk)?) {
+        found if found == Some(tools.wanted()) => Ok(()),
+        found => Err(CliError::Refused(tools.complaint(found))),
     }
-    let of = |index: usize| rack.tools()[index].name.as_str();
-    Err(CliError::Refused(format!(
-        "the machine carries {}, and the job is for the tool {:?}: `trirrr tool SCENE --port PORT --mount {}` once that is on it, or \
-         `--set mounted=NAME` for a job with another",
-        found.map_or("no tool of the scene".into(), |index| format!(
-            "the tool {:?}",
-            of(index)
-        )),
-        of(rack.mounted()),
-        of(rack.mounted()),
-    )))
 }
 
 fn show<N: ServiceNumber>(
@@ -99,7 +85,8 @@ fn show<N: ServiceNumber>(
     scene: &Scene,
     rack: &ToolRack,
 ) -> Result<(), CliError> {
-    let found = mounted(&read_platform(talk)?, scene, rack);
+    let platform = read_platform(talk)?;
+    let found = CarriedTools::of(scene).and_then(|tools| tools.found(&platform));
     let mut text = String::new();
     for (index, tool) in rack.tools().iter().enumerate() {
         let mark = if found == Some(index) { "*" } else { " " };
@@ -127,31 +114,14 @@ fn mount<N: ServiceNumber>(
         ..carried
     };
     talk.done(Command::Replace(Section::Platform(wanted)))?;
-    if mounted(&read_platform(talk)?, scene, rack) != Some(index) {
+    let platform = read_platform(talk)?;
+    if CarriedTools::of(scene).and_then(|tools| tools.found(&platform)) != Some(index) {
         return Err(CliError::Failed(
             "the board has not taken the tool: it tells another platform".into(),
         ));
     }
     let text = format!("mounted: {}\n", line(&rack.tools()[index]));
     print(&(text + &pose(talk)?))
-}
-
-/// Index of the tool that `platform` carries; none of a platform with no tool of `rack`.
-fn mounted(platform: &Platform, scene: &Scene, rack: &ToolRack) -> Option<usize> {
-    let values = |of: &Platform| {
-        let [[cx, cy], [tx, ty]] = [of.com_m, of.tool_point_m];
-        [of.mass_kg, of.inertia_kgm2, cx, cy, tx, ty]
-    };
-    let told = values(platform);
-    (0..rack.tools().len()).find(|&index| {
-        let own = values(&Platform::from(&rack.put_into(&scene.parameters, index)));
-        let pairs = told.iter().zip(own);
-        // Lengths are compared in m, whatever their direction.
-        let largest = |a: f64, b: f64| a.abs().max(b.abs()).max(1e-3);
-        pairs
-            .into_iter()
-            .all(|(a, b)| (a - b).abs() <= ROUNDING * largest(*a, b))
-    })
 }
 
 /// A tool in a line.

@@ -312,7 +312,8 @@ fn simulate_in<N: ServiceNumber + Countable>(
             let angles = machine.motors().each_ref().map(|motor| motor.angle);
             let closed = plant.as_mut().map(|plant| ClosedLoop::new(plant, angles));
             let hello = local::hello::<N>(scene);
-            let runner = JobRunner::new(machine, work, hello, scene.tick_rate_hz);
+            let runner = JobRunner::new(machine, work, hello, scene.tick_rate_hz)
+                .with_outputs(&scene.job.outputs);
             let rate_hz = paced.then_some(scene.tick_rate_hz);
             let chunks = supply.as_ref().map(|supply| {
                 let (sender, chunks) = sync_channel(WAITING_CHUNKS);

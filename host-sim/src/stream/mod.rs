@@ -15,12 +15,9 @@ pub(crate) use keys::user_command;
 pub(crate) use port::Port;
 pub use session::StreamEnd;
 
-use crate::arguments::SetArgs;
 use crate::failure::CliError;
 use crate::figures::JobMarks;
-use crate::goals::MachineArgs;
 use crate::job_file::{self, LoadedJob, LongMoves, QueuedJob};
-use crate::machine::require_mounted;
 use crate::recording::{DriveRecorder, Recorder};
 use crate::results::ResultFolder;
 use display::Display;
@@ -34,7 +31,9 @@ use trirrr_client::describe::Units;
 use trirrr_client::local;
 use trirrr_client::records::Samples;
 use trirrr_client::transport::Address;
-use trirrr_client::{JobClient, JobFailure, JobPlace, JobWork, Patience, UserCommand};
+use trirrr_client::{
+    JobClient, JobFailure, JobPlace, JobWork, Patience, UserCommand, switched_label,
+};
 use trirrr_protocol::message::{DriveSample, Telemetry, TelemetryFields, Transmit};
 use trirrr_protocol::wire::frame_length;
 use trirrr_protocol::wire::schema::longest;
@@ -43,6 +42,7 @@ use trirrr_scene::Scene;
 use trirrr_scene::in_number_type;
 use trirrr_scene::offer;
 use trirrr_scene::pipeline;
+use trirrr_scene::{CarriedTools, JobOutputs};
 use trirrr_service::ServiceNumber;
 use work::{StreamMoves, StreamWork};
 
@@ -125,18 +125,6 @@ fn stream<N: ServiceNumber>(
     let scene = &job.scene;
     let refused = |error: String| CliError::Refused(format!("scene {}: {error}", scene.name));
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
-    // A job under way was begun with this tool.
-    if !args.resume {
-        let machine = MachineArgs {
-            scene: file.clone(),
-            set: SetArgs::default(),
-            line: args.line.clone(),
-            scalar: Some(scalar),
-            patience: args.patience,
-            feed: None,
-        };
-        require_mounted::<N>(&machine, scene, stop)?;
-    }
     let stream = Stream {
         args,
         file,
@@ -148,6 +136,11 @@ fn stream<N: ServiceNumber>(
     };
     let from = JobPlace::default();
     if args.path {
+        if !scene.job.outputs.is_empty() {
+            return Err(CliError::Refused(
+                "--path: the machine plans the moves, and outputs change with moves: leave --path out, or M62 to M65".into(),
+            ));
+        }
         let start = offer::pose::<N>(&units.pose(&scene.job.start));
         let pieces = offer::pieces(scene, &units).map_err(&refused)?;
         let work = JobWork::Path { start, pieces };
@@ -158,10 +151,16 @@ fn stream<N: ServiceNumber>(
         };
         let journal = Journal::new(folder, key, from);
         let work = StreamWork::of_path(work, scene);
-        return stream.play(work, taken, journal, &|_| from).end;
+        return stream
+            .play((work, JobOutputs::default()), taken, journal, &|_| from)
+            .end;
     }
     let moves = StreamMoves::<N>::of(scene, &units);
     let key = stream.key(&moves.whole()?);
+    let key = JobKey {
+        label: switched_label(key.label, &scene.job.outputs),
+        ..key
+    };
     let rest = |from| {
         let period = units.time(scene.period_s());
         moves.rest(from, N::factor_from_f64(period))
@@ -169,7 +168,7 @@ fn stream<N: ServiceNumber>(
     let play = |from: JobPlace, taken| -> Result<StreamPlayed, CliError> {
         let rest = rest(from)?;
         let journal = Journal::new(folder, key.clone(), from);
-        let work = moves.work(&rest)?;
+        let work = (moves.work(&rest)?, rest.outputs(&scene.job.outputs));
         Ok(stream.play(work, taken, journal, &|place| rest.place(place)))
     };
     if !args.resume {
@@ -223,11 +222,11 @@ impl Stream<'_> {
         }
     }
 
-    /// Plays `work`, or goes on with it where another client has left it, with `taken` items on the machine. `place` tells the place on the whole job of one
+    /// Plays `work` with its changes of outputs, or goes on with it where another client has left it, with `taken` items on the machine. `place` tells the place on the whole job of one
     /// on this work.
     fn play<N: ServiceNumber>(
         &self,
-        work: StreamWork<'_, N>,
+        work: (StreamWork<'_, N>, JobOutputs),
         taken: Option<u32>,
         journal: Journal,
         place: &dyn Fn(JobPlace) -> JobPlace,
@@ -244,7 +243,7 @@ impl Stream<'_> {
 
     fn try_play<N: ServiceNumber>(
         &self,
-        work: StreamWork<'_, N>,
+        work: (StreamWork<'_, N>, JobOutputs),
         taken: Option<u32>,
         journal: Journal,
         place: &dyn Fn(JobPlace) -> JobPlace,
@@ -254,6 +253,7 @@ impl Stream<'_> {
         let pipeline = pipeline::of_scene::<N>(scene, self.units)
             .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
         let units = Units::of_scene(scene, &self.units);
+        let (work, outputs) = work;
         let StreamWork {
             work,
             starts,
@@ -288,6 +288,8 @@ impl Stream<'_> {
         let hello = local::hello::<N>(scene);
         let client = JobClient::new(work, hello, every, patience(patience_s), conversation());
         let client = client.named(&scene.name).with_fields(fields);
+        let client = client.with_outputs(&outputs);
+        let client = client.with_tools(CarriedTools::of(scene));
         let client = match taken {
             Some(taken) => client.attached(taken),
             None => self.to_start(client),

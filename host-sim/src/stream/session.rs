@@ -231,7 +231,9 @@ impl<N: Transmit> Session<'_, N> {
         };
         let text = self.client.describe(&failure);
         Err(match failure {
-            Lost::Refused { .. } | Lost::Inadmissible { .. } => CliError::Refused(text),
+            Lost::Refused { .. } | Lost::Inadmissible { .. } | Lost::OtherTool(_) => {
+                CliError::Refused(text)
+            }
             _ => CliError::Failed(text),
         })
     }

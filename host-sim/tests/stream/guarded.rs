@@ -128,7 +128,7 @@ fn an_input_that_the_scene_does_not_name_cannot_be_pressed() {
         (&["--press", "limit3@1"], "[inputs.limits] in it would"),
         (
             &["--press", "lid@1"],
-            "\"lid\" is no input: estop, door, probe",
+            "\"lid\" is no input of scene thesis: estop, door, probe",
         ),
     ] {
         let output = trirrr()

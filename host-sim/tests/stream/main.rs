@@ -17,6 +17,7 @@ mod keys;
 mod limits;
 mod links;
 mod long;
+mod outputs;
 mod paths;
 mod probing;
 mod proxy;

@@ -82,6 +82,7 @@ fn job(scene: &Scene, seconds: f64, seed: u64) -> Result<RasterJob> {
             .map(|source| is_row(source).then_some(tool))
             .collect(),
         rows: vec![row(1), row(4)],
+        outputs: Vec::new(),
         tolerance_m: 1e-5,
         tolerance_rad: 1e-4,
     };

@@ -139,6 +139,7 @@ impl Offer {
                 path: None,
                 spool: None,
                 levels: trirrr_scene::JobLevels::default(),
+                outputs: trirrr_scene::JobOutputs::default(),
             },
             ..thesis.clone()
         };

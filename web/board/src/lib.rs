@@ -140,9 +140,14 @@ impl Board {
         moves: &[f64],
         levels: Vec<u8>,
         ranges: &[u32],
+        outputs: &[u32],
+        tools: Vec<String>,
+        bodies: &[f64],
         conversation: u32,
     ) -> Result<Self, String> {
-        let scene = TalkScene::new(name, number, key, figures, moves, levels, ranges)?;
+        let mut scene = TalkScene::new(name, number, key, figures, moves, levels, ranges)?;
+        scene.switch(outputs)?;
+        scene.carry(tools, bodies)?;
         let talk: Box<dyn Talk> = match scene.number {
             NumberType::F64 => Box::new(BoardTalk::<f64>::new(scene, conversation)),
             // Both have the same bytes on the line; the key of the hello tells them apart.

@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use trirrr_client::describe::Units;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::LevelRange;
-use trirrr_scene::{JobLevels, JobMove, NumberType, Tool};
+use trirrr_scene::{CarriedTools, JobLevels, JobMove, JobOutputs, NumberType, OutputBits, Tool};
 
 /// Numbers of a move.
 const MOVE: usize = 22;
@@ -21,6 +21,10 @@ pub(crate) struct TalkScene {
     pub(crate) moves: Vec<JobMove>,
     pub(crate) levels: JobLevels,
     pub(crate) has_homing: bool,
+    /// Spare outputs that change with the moves.
+    pub(crate) outputs: JobOutputs,
+    /// Tools, and the one that the job is for.
+    pub(crate) tools: Option<CarriedTools>,
 }
 
 impl TalkScene {
@@ -56,7 +60,38 @@ impl TalkScene {
                 ranges: ranges.chunks(5).map(range).collect::<Result<_, _>>()?,
             },
             has_homing: homing != 0.0,
+            outputs: JobOutputs::default(),
+            tools: None,
         })
+    }
+
+    /// Reads the outputs that change with the moves.
+    pub(crate) fn switch(&mut self, outputs: &[u32]) -> Result<(), String> {
+        let (changes, rest) = outputs.as_chunks();
+        for [index, on, off] in changes {
+            let bits = |value: u32| u8::try_from(value).map_err(|_| "there are eight outputs");
+            let (on, off) = (bits(*on)?, bits(*off)?);
+            self.outputs.add(*index, OutputBits { on, off });
+        }
+        match rest {
+            [] => Ok(()),
+            _ => Err("a change of outputs has three numbers".into()),
+        }
+    }
+
+    /// Reads the tools of the scene, and which of them the job is for.
+    pub(crate) fn carry(&mut self, names: Vec<String>, bodies: &[f64]) -> Result<(), String> {
+        let [wanted, bodies @ ..] = bodies else {
+            return Ok(());
+        };
+        let (bodies, rest) = bodies.as_chunks();
+        // From float to integer the cast saturates.
+        let tools = CarriedTools::new(names, bodies.to_vec(), *wanted as usize);
+        self.tools = tools.filter(|_| rest.is_empty());
+        match self.tools {
+            Some(_) => Ok(()),
+            None => Err("a tool has a name and six numbers".into()),
+        }
     }
 }
 

@@ -15,7 +15,7 @@ use trirrr_protocol::message::{
     Request, State, Status, Telemetry, Transmit,
 };
 use trirrr_protocol::wire::schema;
-use trirrr_scene::{NumberType, in_number_type, offer};
+use trirrr_scene::{CarriedTools, JobOutputs, NumberType, in_number_type, offer};
 
 /// Samples of a second: as many as a person sees.
 const SAMPLES_HZ: f64 = 25.0;
@@ -75,6 +75,10 @@ pub(crate) struct BoardTalk<N: Transmit> {
     number: NumberType,
     hello: Hello,
     pub(crate) work: JobWork<N>,
+    /// Spare outputs that change with its moves.
+    outputs: JobOutputs,
+    /// Tools, and the one that the job is for.
+    tools: Option<CarriedTools>,
     start: Pose<N>,
     pub(crate) has_homing: bool,
     pub(crate) units: Units,
@@ -117,6 +121,8 @@ impl<N: Transmit> BoardTalk<N> {
             number: scene.number,
             hello,
             work: JobWork::of(moves, &scene.levels),
+            outputs: scene.outputs,
+            tools: scene.tools,
             start: offer::pose(&scene.start),
             has_homing: scene.has_homing,
             units: scene.units,
@@ -172,6 +178,9 @@ impl<N: Transmit> BoardTalk<N> {
         let client = JobClient::new(work, self.hello, self.samples, patience, conversation);
         let client = client.named(&self.name).without_homing();
         let client = client.with_drives(self.samples);
+        let client = client
+            .with_tools(self.tools.clone())
+            .with_outputs(&self.outputs);
         self.talking = Talking::Job(Box::new(match attached {
             true => client.attached(0),
             false => client,

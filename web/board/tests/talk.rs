@@ -24,6 +24,9 @@ fn page(text: &str) -> Board {
         &scene.moves,
         scene.levels,
         &scene.ranges,
+        &scene.outputs,
+        scene.tools,
+        &scene.bodies,
         7,
     ) else {
         panic!("no conversation");
@@ -178,6 +181,39 @@ fn a_job_is_played_in_every_number_type_held_and_resumed() {
     }
 }
 
+/// The scene's machine carries the pen, that of the second the gripper: the same scene, as its key says.
+#[test]
+fn a_job_for_another_tool_is_not_begun() {
+    let tools = "[[tools]]\nname = \"pen\"\nmass_kg = 0.06\npoint_m = [0.0, 0.03]\n\
+                 [[tools]]\nname = \"gripper\"\nmass_kg = 0.3\npoint_m = [0.02, 0.0]\n\
+                 [service]\nadjustable = true\n\n[job]\n";
+    let text = THESIS.replacen("[job]\n", tools, 1);
+    let of = |mounted: &str| {
+        let setting = format!("mounted={mounted}").parse().expect("a setting");
+        Scene::parse_set(&text, "my.toml", &[setting]).expect("a scene")
+    };
+    for (mounted, is_played) in [("gripper", false), ("pen", true)] {
+        let scene = of(mounted);
+        assert_eq!(scene.key, read(&text).key);
+        with_bench::<f64>(page(&text), &scene, |mut bench| {
+            bench.state("disabled");
+            bench.give(BoardCommand::Enable);
+            bench.state("idle");
+            bench.give(BoardCommand::Run);
+            if is_played {
+                bench.until("under way", |view| view.sentence == "running");
+                return;
+            }
+            for _ in 0..200 {
+                bench.tick();
+            }
+            let said = "carries the tool \"gripper\", and the job is for the tool \"pen\"";
+            assert!(bench.is_noted(said), "{:?}", bench.notes);
+            assert_eq!(bench.machine.state(), State::Idle);
+        });
+    }
+}
+
 #[test]
 fn a_step_goes_from_where_the_last_one_ends_and_halts() {
     let scene = read(THESIS);
@@ -283,13 +319,35 @@ fn noise_on_the_line_is_no_message() {
 
 #[test]
 fn parts_that_are_no_scene_are_refused() {
+    let carrying =
+        |number: &str, figures: &[f64], moves: &[f64], ranges: &[u32], bodies: &[f64]| {
+            let tools = vec!["pen".into(), "saw".into()];
+            let levels = vec![];
+            let name = "a".into();
+            let made = Board::new(
+                name,
+                number,
+                1,
+                figures,
+                moves,
+                levels,
+                ranges,
+                &[],
+                tools,
+                bodies,
+                7,
+            );
+            made.map(|_| ())
+        };
     let new = |number: &str, figures: &[f64], moves: &[f64], ranges: &[u32]| {
-        let made = Board::new("a".into(), number, 1, figures, moves, vec![], ranges, 7);
-        made.map(|_| ())
+        carrying(number, figures, moves, ranges, &[])
     };
     assert_eq!(new("f32", &[1.0; 8], &[0.0; 22], &[0; 5]), Ok(()));
     assert!(new("f16", &[1.0; 8], &[], &[]).is_err());
     assert!(new("f32", &[1.0; 7], &[], &[]).is_err());
     assert!(new("f32", &[1.0; 8], &[0.0; 21], &[]).is_err());
     assert!(new("f32", &[1.0; 8], &[], &[0; 4]).is_err());
+    let with = |bodies: &[f64]| carrying("f32", &[1.0; 8], &[], &[], bodies);
+    assert_eq!(with(&[1.0; 13]), Ok(()));
+    assert!(with(&[1.0; 12]).is_err() && with(&[1.0; 7]).is_err() && with(&[2.0; 13]).is_err());
 }

@@ -68,8 +68,8 @@ export function talk(): void {
                 initSync({ module: data.module });
                 const { reading } = whole(data.source);
                 try {
-                    const { name, number, key, figures, moves, levels, ranges } = taken(reading.boardScene());
-                    board = new Board(name, number, key, figures, moves, levels, ranges, crypto.getRandomValues(new Uint32Array(1))[0] ?? 0);
+                    const { name, number, key, figures, moves, levels, ranges, outputs, tools, bodies } = taken(reading.boardScene());
+                    board = new Board(name, number, key, figures, moves, levels, ranges, outputs, tools, bodies, crypto.getRandomValues(new Uint32Array(1))[0] ?? 0);
                     say({ kind: "ready" });
                 } catch (reason) {
                     say({ kind: "failed", reason: String(reason) });

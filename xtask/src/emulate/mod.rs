@@ -112,7 +112,7 @@ impl Built {
         let image = Image::firmware(scene, scalar).build_as("-switches", |cargo| {
             cargo.args(["--features", "ruled-switches"]);
         })?;
-        symbols::check_ruled_switches(&image)?;
+        symbols::check_mark(&image, symbols::RULED_SWITCHES)?;
         Ok(Self {
             scene: scene.clone(),
             scalar,

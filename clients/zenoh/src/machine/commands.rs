@@ -271,7 +271,9 @@ impl<N: ServiceNumber> Worker<'_, N> {
             Patience::default(),
             entropy(),
         );
-        Task::job(job.named(&scene.name).without_homing(), client, number)
+        let job = job.named(&scene.name).without_homing();
+        let job = job.with_tools(trirrr_scene::CarriedTools::of(scene));
+        Task::job(job, client, number)
     }
 
     /// Takes the answer to the order that was asked.

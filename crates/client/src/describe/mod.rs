@@ -7,14 +7,15 @@ mod refusal;
 
 pub use drive::{drive_state, not_enabled};
 pub use fault::fault;
-pub use refusal::refusal;
+pub use refusal::{refusal, scene_need};
 
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{
-    Acting, Bounded, Event, Identity, InputState, InputStates, ProbeRun, State, Transmit, Violation,
+    Acting, Bounded, DigitalStates, Event, Identity, InputState, InputStates, ProbeRun, State,
+    Transmit, Violation,
 };
-use trirrr_scene::Scene;
 use trirrr_scene::words::{self, short};
+use trirrr_scene::{Scene, SparePins};
 
 /// Units of a machine's messages, and the rate of its ticks.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,7 +101,29 @@ pub fn event<N: Transmit>(event: &Event<N>, ticks: u32, units: &Units) -> Option
         Event::Fault(latched) => format!("fault: {}", fault(latched, units)),
         Event::Inputs(states) => inputs(states)?,
         Event::Probe(run) => probe(run, units),
+        Event::Digital(states) => digital(states, &SparePins::default()),
     })
+}
+
+/// Describes the spare outputs and inputs by their names in `pins`; by their numbers where there are none.
+pub fn digital(states: &DigitalStates, pins: &SparePins) -> String {
+    let list = |bits: u8, name: &dyn Fn(usize) -> Option<String>| {
+        let set = (0..u8::BITS as usize).filter(|index| bits >> index & 1 != 0);
+        let names: Vec<String> = set
+            .map(|index| name(index).unwrap_or_else(|| index.to_string()))
+            .collect();
+        match names.is_empty() {
+            true => "none".into(),
+            false => names.join(", "),
+        }
+    };
+    let outputs = list(states.outputs, &|index| {
+        pins.outputs.get(index).map(|output| output.name.clone())
+    });
+    let inputs = list(states.inputs, &|index| {
+        pins.inputs.get(index).map(|input| input.name.clone())
+    });
+    format!("outputs on: {outputs}; inputs active: {inputs}")
 }
 
 /// Describes a run with a probe: where it has touched, in m and rad.

@@ -1,7 +1,7 @@
 //! Refusals of commands.
 
 use super::{Units, state, violation};
-use trirrr_protocol::message::{Acting, Refusal, Transmit, UpdateRefusal};
+use trirrr_protocol::message::{Acting, Refusal, SceneNeed, Transmit, UpdateRefusal};
 
 /// Describes the reason why a command was not executed. `ticks` is the duration of the move that was
 /// refused, if the command was a move.
@@ -88,6 +88,16 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
             "motor {} stands on its limit switch: only a recovery or homing moves the machine off it",
             u32::from(*motor) + 1
         ),
+        Refusal::NoOutput { outputs: 0 } => {
+            "the board's scene names no spare output: [[io.outputs]] would".into()
+        }
+        Refusal::NoOutput { outputs } => format!(
+            "the board's scene names {outputs} spare outputs, of the numbers 0 to {}",
+            outputs - 1
+        ),
+        Refusal::OutputsFull => {
+            "the board has no room for more changes of outputs with moves yet".into()
+        }
         Refusal::StartVelocity => "it does not start as fast as the last one ends".into(),
         Refusal::Tool => "the tool's power is not from 0 to 1, or its speed negative".into(),
         Refusal::NotAdjustable => "the board's image holds no code to change its scene".into(),
@@ -141,6 +151,62 @@ fn update(refusal: &UpdateRefusal) -> String {
         ),
         UpdateRefusal::JournalFull => {
             "the journal of updates has no room: restart the board, and send the image again".into()
+        }
+        UpdateRefusal::NoScene => "the board's image takes no scene over the line: build one with scene_over_line = true in \
+             [service], and send it by `trirrr update`"
+            .into(),
+        UpdateRefusal::SceneLayout => {
+            "the board does not read the values of the scene: send them by the trirrr of the version that it runs, or \
+             update its program"
+                .into()
+        }
+        UpdateRefusal::SceneNeeds(need) => format!(
+            "the board's image lacks what the scene needs: {}",
+            scene_need(*need)
+        ),
+        UpdateRefusal::SceneValue { quantity, leg } => match leg {
+            Some(leg) => format!(
+                "the board cannot build the scene: {quantity:?} of leg {}",
+                leg + 1
+            ),
+            None => format!("the board cannot build the scene: {quantity:?}"),
+        },
+        UpdateRefusal::SceneStart => {
+            "the machine of the scene cannot stand at the start of its job: change [job] start or the machine".into()
+        }
+    }
+}
+
+/// Names a part of a scene that an image may lack, and where the scene has it.
+pub fn scene_need(need: SceneNeed) -> &'static str {
+    match need {
+        SceneNeed::Torques => "torques (torque is not false)",
+        SceneNeed::PayloadOffset => {
+            "a centre of mass off the reference point (com_m in [platform])"
+        }
+        SceneNeed::Rotors => "rotor inertia (rotor_inertia_kgm2, or that of [[drive]])",
+        SceneNeed::LinkMasses => "masses of links (proximal and distal in [[machine.leg]])",
+        SceneNeed::Gravity => "gravity in the plane (gravity_m_s2, mounted)",
+        SceneNeed::Quintics => "quintic moves (accelerations in [[job.move]], a path, plans_paths)",
+        SceneNeed::Jerk => "a limit of jerk (jerk_rad_s3 in [limits])",
+        SceneNeed::Paths => "a planner of paths (plans_paths in [service])",
+        SceneNeed::Batches => "batches of moves (batches in [service], short or planned moves)",
+        SceneNeed::PowerLists => "room for so many levels of power (power_lists in [service])",
+        SceneNeed::Number => "its number type (number)",
+        SceneNeed::TickRate => "its tick rate (tick_rate_hz)",
+        SceneNeed::Drives => {
+            "its drives (kind and constants of [[drive]], but steps and gears of steppers)"
+        }
+        SceneNeed::Brake => "its brake (brake in [power], there or not)",
+        SceneNeed::ToolOutput => "its output to the tool ([tool])",
+        SceneNeed::Inputs => "its inputs, or spare inputs and outputs ([inputs], [io])",
+        SceneNeed::Lamp => "its status lamp (there or not)",
+        SceneNeed::Homing => {
+            "its kind of homing ([homing], there or not, kind and level of its switches)"
+        }
+        SceneNeed::Feedback => "feedback of the drives ([feedback], there or not)",
+        SceneNeed::Contact => {
+            "detection of contacts ([contact], there or not, with a retreat or without)"
         }
     }
 }

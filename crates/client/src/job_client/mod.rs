@@ -23,7 +23,8 @@ use trirrr_protocol::message::{
     Command, Event, Hello, Identity, JobLabel, Message, Move, Reply, Request, Status, Telemetry,
     TelemetryFields, Transmit,
 };
-pub use work::JobWork;
+use trirrr_scene::{CarriedTools, JobOutputs};
+pub use work::{JobWork, switched_label};
 
 /// Next act of the owner of the port.
 #[derive(Clone, Debug, PartialEq)]
@@ -73,6 +74,8 @@ pub struct JobClient<N: Transmit> {
     hello: Hello,
     /// Name of the job.
     label: JobLabel,
+    /// Tools of the scene, and the one that the job is for.
+    tools: Option<CarriedTools>,
     /// Ticks from one telemetry sample to the next,
     telemetry: u16,
     /// and what is in it.
@@ -140,6 +143,7 @@ impl<N: Transmit> JobClient<N> {
             exchange: Exchange::new(patience, conversation),
             hello,
             label: work.label(""),
+            tools: None,
             telemetry,
             fields: TelemetryFields::ALL,
             drives: None,
@@ -183,6 +187,23 @@ impl<N: Transmit> JobClient<N> {
     #[must_use]
     pub fn named(mut self, name: &str) -> Self {
         self.label.name = trirrr_service::name(name);
+        self
+    }
+
+    /// Lets spare outputs change with the moves of the job, as `outputs` says. Not of a path that the machine plans: its moves are not known
+    /// here.
+    #[must_use]
+    pub fn with_outputs(mut self, outputs: &JobOutputs) -> Self {
+        self.label = switched_label(self.label, outputs);
+        self.progress.set_outputs(outputs);
+        self
+    }
+
+    /// Has the machine tell its platform first: a job is not begun on one that carries another tool than it is for. A job that
+    /// another client has [begun](Self::attached) is not asked: it was begun with this tool.
+    #[must_use]
+    pub fn with_tools(mut self, tools: Option<CarriedTools>) -> Self {
+        self.tools = tools;
         self
     }
 
@@ -305,6 +326,9 @@ impl<N: Transmit> JobClient<N> {
 
     /// Describes `failure` in words and SI units.
     pub fn describe(&self, failure: &JobFailure<N>) -> String {
+        if let (JobFailure::OtherTool(found), Some(tools)) = (failure, &self.tools) {
+            return tools.complaint(*found);
+        }
         // Before a hello nothing with a unit is reported.
         let units = self.identity.as_ref().map_or(Units::si(1.0), Units::of);
         let about = failure.index().and_then(|index| self.progress.get(index));
@@ -375,8 +399,9 @@ impl<N: Transmit> JobClient<N> {
                 }
                 self.on_done(&command, now);
             }
-            // The client asks for none, and the exchange has the other.
-            Reply::Section(_) | Reply::Kept { .. } | Reply::Update(_) => {}
+            Reply::Section(section) => self.on_section(&section),
+            // The exchange has the first, and the client asks for no other.
+            Reply::Kept { .. } | Reply::Update(_) => {}
         }
     }
 

@@ -3,6 +3,7 @@
 use super::JobClient;
 use crate::JobFailure;
 use std::time::Duration;
+use trirrr_protocol::message::scene::SectionName;
 use trirrr_protocol::message::{Command, Move, Recovery, Request, State, Status, Transmit};
 
 /// Phase of a conversation.
@@ -16,11 +17,14 @@ use trirrr_protocol::message::{Command, Move, Recovery, Request, State, Status, 
 ///    │           └──────> Preparing, Sampling, Naming ─> Streaming <────┘ by Preparing
 ///    └─> Surveying, once the machine is known: as Meeting, or back into Streaming
 /// ```
+/// Of a scene with tools Checking comes before Meeting.
 /// Every phase may end in Ending or Finished. A lost line leads back to Greeting.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Phase<N: Transmit> {
     /// The client sends a hello.
     Greeting,
+    /// The client asks for the platform of the machine, with the tool on it.
+    Checking,
     /// The client asks for the first status of the machine.
     Meeting,
     /// The client asks a known machine where the job stands: on a new line, after a fault was
@@ -69,6 +73,7 @@ impl<N: Transmit> JobClient<N> {
     pub(super) fn next(&mut self, now: Duration) -> Next<N> {
         let order = match &self.phase {
             Phase::Greeting => return Next::Ask(Command::Hello(self.hello)),
+            Phase::Checking => return Next::Ask(Command::Read(SectionName::Platform)),
             Phase::Meeting | Phase::Surveying => return Next::Ask(Command::Status),
             Phase::Awaiting => return self.watch(now),
             Phase::Underway => return self.watch_way(now),

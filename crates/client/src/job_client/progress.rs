@@ -5,9 +5,13 @@ use super::supply::SuppliedMoves;
 use super::work::JobWork;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{
-    AnyMove, BATCH, Command, JobAccount, ListedMove, Move, MoveBatch, OfferedMoves, PathPiece,
-    Status, Transmit,
+    AnyMove, BATCH, Command, JobAccount, ListedMove, Move, MoveBatch, OfferedMoves, OutputSwitch,
+    PathPiece, Status, Transmit,
 };
+use trirrr_scene::JobOutputs;
+
+/// Changes of outputs that a client gives ahead of their moves: a machine has room for more.
+const CHANGES: usize = 12;
 
 /// Numbers by which a machine calls the first move and the first piece of a job.
 #[derive(Clone, Copy, Debug)]
@@ -36,6 +40,10 @@ pub(super) struct JobProgress<N: Transmit> {
     over: u32,
     /// Levels that were given.
     given: GivenLevels,
+    /// Outputs that change with moves,
+    outputs: JobOutputs,
+    /// and the item whose change was given last.
+    switched: Option<u32>,
 }
 
 impl<N: Transmit> JobProgress<N> {
@@ -50,7 +58,14 @@ impl<N: Transmit> JobProgress<N> {
             batch: 1,
             over: 0,
             given: GivenLevels::default(),
+            outputs: JobOutputs::default(),
+            switched: None,
         }
+    }
+
+    /// Sets the outputs that change with moves.
+    pub(super) fn set_outputs(&mut self, outputs: &JobOutputs) {
+        self.outputs = outputs.clone();
     }
 
     /// Returns the number of items of the job.
@@ -197,12 +212,26 @@ impl<N: Transmit> JobProgress<N> {
     pub(super) fn resume_behind(&mut self, taken: u32) {
         self.taken = taken;
         self.offered = taken.wrapping_add(self.flying);
+        // A change may not have come: of two for one move the last counts, and they are the same.
+        self.switched = None;
     }
 
     /// Returns the command that offers the next items, with the machine's numbers, if the machine has room.
     pub(super) fn next_offer(&self) -> Option<Command<N>> {
         let base = self.base.filter(|_| self.room > 0)?;
         let number = base.r#move.wrapping_add(self.offered);
+        if let Some(bits) = self.outputs.get(self.offered)
+            && !self.is_path()
+            && self.switched != Some(self.offered)
+        {
+            // That under way does not count, but is not known.
+            let waits = self.outputs.count(self.over, self.offered);
+            return (waits < CHANGES).then_some(Command::OutputsAt(OutputSwitch {
+                number,
+                on: bits.on,
+                off: bits.off,
+            }));
+        }
         match &self.work {
             JobWork::Moves(_) | JobWork::Supplied(_) => {
                 let (moves, first) = self.work.here()?;
@@ -251,6 +280,10 @@ impl<N: Transmit> JobProgress<N> {
         end: usize,
     ) -> Option<Command<N>> {
         let next = moves.get(index)?;
+        // A batch ends before a move with which outputs change.
+        let switched = self.outputs.next_behind(self.offered);
+        let behind = switched.map_or(usize::MAX, |of| index + (of - self.offered) as usize);
+        let end = end.min(behind);
         let before = index.checked_sub(1).and_then(|index| moves.get(index));
         let most = self.batch.min(usize::from(self.room));
         let behind = moves.get(index..end)?;
@@ -296,6 +329,7 @@ impl<N: Transmit> JobProgress<N> {
             }
             None => match command {
                 Command::Levels(piece) => self.given.count(piece),
+                Command::OutputsAt(_) => self.switched = Some(self.offered),
                 _ => self.offered = self.offered.wrapping_add(1),
             },
         }
@@ -303,6 +337,9 @@ impl<N: Transmit> JobProgress<N> {
 
     /// Counts what the machine has taken.
     pub(super) fn count_taken(&mut self, command: &Command<N>) {
+        if matches!(command, Command::OutputsAt(_)) {
+            return;
+        }
         let end = match (command.offered(), self.base) {
             (Some(moves), Some(base)) => moves.next().wrapping_sub(base.r#move),
             _ => self.taken + 1,
@@ -316,7 +353,8 @@ impl<N: Transmit> JobProgress<N> {
     pub(super) fn waits(&self) -> bool {
         self.room == 0
             || self.offered == self.items()
-            || (self.work.levels().is_some() && self.next_offer().is_none())
+            || (self.next_offer().is_none()
+                && (self.work.levels().is_some() || !self.outputs.is_empty()))
     }
 }
 

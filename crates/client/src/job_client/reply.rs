@@ -4,6 +4,7 @@ use super::JobClient;
 use super::phase::Phase;
 use crate::JobFailure;
 use std::time::Duration;
+use trirrr_protocol::message::scene::Section;
 use trirrr_protocol::message::{Acting, Command, Identity, Refusal, State, Transmit};
 
 impl<N: Transmit> JobClient<N> {
@@ -14,9 +15,23 @@ impl<N: Transmit> JobClient<N> {
         self.progress.set_level_room(identity.levels);
         self.identity = Some(identity);
         self.phase = match self.status {
+            None if self.tools.is_some() && self.approach.attachment.is_none() => Phase::Checking,
             None => Phase::Meeting,
             Some(_) => Phase::Surveying,
         };
+    }
+
+    /// The machine has told a part of its scene: the platform that was asked for.
+    pub(super) fn on_section(&mut self, section: &Section) {
+        if let (Phase::Checking, Section::Platform(platform), Some(tools)) =
+            (&self.phase, section, &self.tools)
+        {
+            let found = tools.found(platform);
+            self.phase = match found == Some(tools.wanted()) {
+                true => Phase::Meeting,
+                false => Phase::Finished(Err(JobFailure::OtherTool(found))),
+            };
+        }
     }
 
     /// The machine has executed `command`.
@@ -52,6 +67,9 @@ impl<N: Transmit> JobClient<N> {
                 if self.progress.waits() && !self.offers() {
                     self.schedule.look_at(now);
                 }
+            }
+            Command::OutputsAt(_) if self.progress.waits() && !self.offers() => {
+                self.schedule.look_at(now);
             }
             Command::Move(_)
             | Command::Quintic(_)
@@ -146,6 +164,14 @@ impl<N: Transmit> JobClient<N> {
                 self.schedule.look_at(now);
             }
             // The machine has not taken one before: the status says from where to go on.
+            (Command::OutputsAt(_), Refusal::MoveNumber { .. } | Refusal::OutputsFull) => {
+                self.progress.is_full();
+                self.schedule.look_at(now);
+            }
+            (Command::OutputsAt(_), Refusal::State(_)) if self.progress.has_taken() > 0 => {
+                self.progress.is_full();
+                self.schedule.wait(now);
+            }
             (_, Refusal::MoveNumber { .. }) if command.offered().is_some() => {
                 self.progress.is_full();
                 self.schedule.look_at(now);

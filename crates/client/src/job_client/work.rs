@@ -4,7 +4,7 @@ use super::supply::{MoveChecksum, SuppliedMoves};
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{AnyMove, JobLabel, LEVELS, LevelPiece, PathPiece, Transmit};
 use trirrr_protocol::wire::checksum;
-use trirrr_scene::JobLevels;
+use trirrr_scene::{JobLevels, JobOutputs};
 
 /// Work of a job.
 #[derive(Clone, Debug)]
@@ -101,6 +101,16 @@ impl<N: Transmit> JobWork<N> {
             check,
         }
     }
+}
+
+/// Returns the label of the job with which the outputs `outputs` change. Its checksum is over those, too, if there are any.
+pub fn switched_label(label: JobLabel, outputs: &JobOutputs) -> JobLabel {
+    let changes = outputs.changes().iter();
+    // Every part has a length that is known beforehand.
+    let check = changes.fold(label.check, |sum, (index, bits)| {
+        checksum(&(sum, *index, bits.on, bits.off)).unwrap_or_default()
+    });
+    JobLabel { check, ..label }
 }
 
 impl<N: Transmit> From<Vec<AnyMove<N>>> for JobWork<N> {

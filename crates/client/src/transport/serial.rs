@@ -12,7 +12,11 @@ pub(super) struct SerialLink {
 
 /// Opens the port `path` for this process alone.
 pub(super) fn open(path: &str, baud: u32) -> serialport::Result<SerialLink> {
-    let port = serialport::new(path, baud).timeout(WRITE_TIMEOUT).open()?;
+    // A board behind USB sends to a program that is ready, and no system but Linux says so unasked.
+    let port = serialport::new(path, baud)
+        .timeout(WRITE_TIMEOUT)
+        .dtr_on_open(true)
+        .open()?;
     // What arrived before is no answer to anything.
     port.clear(serialport::ClearBuffer::Input)?;
     Ok(SerialLink { port })

@@ -120,6 +120,8 @@ impl Dialect {
                 self.flush();
                 self.wait = Some(Wait::Dwell(seconds));
             }
+            // The setup has no outputs: the interpreter refuses them.
+            Act::Output(_) => {}
             Act::Pause => {
                 self.flush();
                 self.wait = Some(Wait::Pause);

@@ -3,8 +3,8 @@
 use super::report::NAME_CAPACITY;
 use super::scene::{Section, SectionName};
 use super::{
-    LevelPiece, ListedMove, Move, MoveBatch, PathPiece, QuinticMove, TelemetryFields, Transmit,
-    Unread, UpdateStep,
+    LevelPiece, ListedMove, Move, MoveBatch, OutputSwitch, PathPiece, QuinticMove, TelemetryFields,
+    Transmit, Unread, UpdateStep,
 };
 use postcard_schema::Schema;
 use serde::de::DeserializeOwned;
@@ -114,6 +114,15 @@ pub enum Command<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
     UpdateStatus,
     /// Replaces the program, step by step; only with the drives off.
     Update(C::Update),
+    /// Switches a spare output at once.
+    Output {
+        /// The output, from 0 in the order of the scene.
+        index: u8,
+        /// True: on.
+        on: bool,
+    },
+    /// Switches spare outputs with the motion: in the tick in which a move begins that is still to be offered.
+    OutputsAt(OutputSwitch),
 }
 
 /// Protocol, layout and scene that a host expects of the machine.
@@ -269,9 +278,9 @@ impl<N: Number, S, C: MoveContents> Command<N, S, C> {
 }
 
 impl<N: Number, S> Command<N, S> {
-    /// Returns true for moves, and for levels of moves: several such requests may be in flight, and no order of the tick is among them.
+    /// Returns true for moves, and for levels and outputs of moves: several such requests may be in flight, and no order of the tick is among them.
     pub fn brings_moves(&self) -> bool {
-        matches!(self, Self::Levels(_)) || self.offered().is_some()
+        matches!(self, Self::Levels(_) | Self::OutputsAt(_)) || self.offered().is_some()
     }
 
     /// The moves that the command offers.

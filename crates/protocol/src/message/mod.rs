@@ -15,6 +15,7 @@
 
 mod board;
 mod command;
+mod digital;
 mod drive;
 mod inputs;
 mod levels;
@@ -25,6 +26,7 @@ mod probe;
 mod refusal;
 mod report;
 pub mod scene;
+mod scene_types;
 mod state;
 mod telemetry;
 #[cfg(test)]
@@ -37,6 +39,7 @@ pub use command::{
     AllMoves, Command, Goal, Hello, JobLabel, ListedContent, MoveContents, OfferedMoves,
     QuinticContent, Recovery, Request,
 };
+pub use digital::{DIGITAL, DigitalStates, OutputSwitch};
 pub use drive::{DriveReading, DriveSample, DriveState, NotEnabled};
 pub use inputs::{InputState, InputStates};
 pub use levels::{FULL_LEVEL, LEVEL_PARTS, LEVELS, LISTED, LevelPiece, LevelRange, ListedMove};
@@ -49,6 +52,7 @@ pub use report::{
     Cut, Event, Identity, Interruption, JobAccount, Message, MessageRef, NAME_CAPACITY, Reply,
     Status, Verdict,
 };
+pub use scene_types::{SCENE_KEYS, SceneHeader, SceneNeed, SceneNeeds, SceneRoom, SceneTypes};
 pub use state::{Acting, State};
 pub use telemetry::{Telemetry, TelemetryFields};
 pub use update::{

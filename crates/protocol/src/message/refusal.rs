@@ -142,4 +142,11 @@ pub enum Refusal<N: Number> {
     NoUpdate,
     /// A step of an update is not taken.
     Update(UpdateRefusal),
+    /// The scene names no such spare output.
+    NoOutput {
+        /// Number of those that it names.
+        outputs: u8,
+    },
+    /// No room for another change of outputs with the motion, before one of those given is over.
+    OutputsFull,
 }

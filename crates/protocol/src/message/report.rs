@@ -3,6 +3,7 @@
 use super::Transmit;
 use super::board::{AngleReference, Board, Firmware};
 use super::command::JobLabel;
+use super::digital::DigitalStates;
 use super::drive::{DriveSample, NotEnabled};
 use super::inputs::InputStates;
 use super::probe::ProbeRun;
@@ -195,6 +196,8 @@ pub struct Status<N: Number> {
     pub inputs: InputStates,
     /// The last run with a probe since the machine was switched on.
     pub probe: Option<ProbeRun<N>>,
+    /// Spare inputs and outputs; none of a scene that names none.
+    pub digital: Option<DigitalStates>,
 }
 
 impl<N: Number> Status<N> {
@@ -270,4 +273,6 @@ pub enum Event<N: Number> {
     Inputs(InputStates),
     /// A run with a probe has touched, or has ended without.
     Probe(ProbeRun<N>),
+    /// A spare input or output changed.
+    Digital(DigitalStates),
 }

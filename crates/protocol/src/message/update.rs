@@ -1,8 +1,10 @@
-//! Update of a machine's program over the line.
+//! Update of a machine's program over the line, and of the scene of a program that takes one.
 
 use super::board::Firmware;
+use super::scene_types::{SceneHeader, SceneNeed, SceneRoom};
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
+use trirrr_core::machine::Quantity;
 
 /// Bytes in a row of an [`ImageBlock`].
 const ROW: usize = 32;
@@ -21,10 +23,13 @@ pub enum UpdateStep {
     Begin(ImageHeader),
     /// Brings bytes of it.
     Block(ImageBlock),
-    /// Ends it: the machine compares its checksum, and installs it at the next start.
+    /// Ends it: the machine compares its checksum, and installs it at the next start. Values of a scene are checked, and taken at the
+    /// next start.
     Finish,
     /// Starts the machine anew, a tenth of a second after the answer.
     Restart,
+    /// Announces values of a scene, of which blocks come and an end as of an image. What is under way is dropped.
+    BeginScene(SceneHeader),
 }
 
 /// Description of an image.
@@ -79,12 +84,14 @@ pub struct UpdateStatus {
     pub start: u32,
     /// Most bytes of an image.
     pub room: u32,
-    /// Checksum of the image that is under way.
+    /// Checksum of the image, or of the values of a scene, that are under way.
     pub coming: Option<u32>,
     /// Bytes of it that the machine has: offset of the next block.
     pub received: u32,
     /// Outcome of the last update.
     pub outcome: UpdateOutcome,
+    /// Room for a scene that comes over the line; none in an image that takes none.
+    pub scene: Option<SceneRoom>,
 }
 
 /// Outcome of an update.
@@ -140,6 +147,21 @@ pub enum UpdateRefusal {
     },
     /// The journal of updates has no room before the next start.
     JournalFull,
+    /// The image takes no scene over the line.
+    NoScene,
+    /// The values of the scene have another layout, or are none.
+    SceneLayout,
+    /// The types of the image lack a part that the scene needs, the first of them.
+    SceneNeeds(SceneNeed),
+    /// A value of the scene is refused.
+    SceneValue {
+        /// Quantity that is wrong,
+        quantity: Quantity,
+        /// and the leg that it belongs to.
+        leg: Option<u8>,
+    },
+    /// The machine of the scene cannot stand at its start.
+    SceneStart,
 }
 
 #[cfg(test)]

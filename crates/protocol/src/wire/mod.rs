@@ -23,6 +23,7 @@
 //! # Ok::<(), trirrr_protocol::wire::BufferTooSmall>(())
 //! ```
 
+mod content;
 mod decoder;
 mod encode;
 mod error;
@@ -30,6 +31,7 @@ pub mod schema;
 #[cfg(test)]
 mod tests;
 
+pub use content::{of_bytes, to_bytes};
 pub use decoder::Decoder;
 pub use encode::{BufferTooSmall, checksum, encode};
 pub use error::{Counters, FrameError};

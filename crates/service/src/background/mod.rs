@@ -2,6 +2,7 @@
 
 mod contact;
 mod control;
+mod digital;
 mod enable;
 mod interlock;
 mod levels;
@@ -17,6 +18,7 @@ mod splice;
 mod window;
 
 pub(super) use super::contact::BackgroundContact;
+use super::digital::BackgroundDigital;
 use super::feedback::BackgroundFeedback;
 use super::handoff::{Ahead, Order, QueuedMove, Recover, ReportOf, SharedCounters};
 use super::interlock::InterlockKind;
@@ -37,7 +39,8 @@ pub(super) use splice::Retargeting;
 use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{
-    Acting, Content, Event, Fault, Message, MessageRef, Refusal, State, Status, Telemetry,
+    Acting, Content, DigitalStates, Event, Fault, Message, MessageRef, Refusal, State, Status,
+    Telemetry,
 };
 pub(super) use window::RequestWindow;
 
@@ -63,6 +66,7 @@ pub struct Background<'q, S: Scene> {
     feedback: BackgroundFeedback<'q, S>,
     contact: BackgroundContact<'q, S>,
     levels: BackgroundLevels<'q, S>,
+    digital: BackgroundDigital<'q, S>,
     reports: Receiver<'q, ReportOf<S>>,
     faults: Receiver<'q, Fault<S::N>>,
     samples: Receiver<'q, Telemetry<S::N>>,
@@ -128,6 +132,7 @@ pub(super) struct BackgroundEnds<'q, S: Scene> {
     pub(super) feedback: BackgroundFeedback<'q, S>,
     pub(super) contact: BackgroundContact<'q, S>,
     pub(super) levels: BackgroundLevels<'q, S>,
+    pub(super) digital: BackgroundDigital<'q, S>,
     pub(super) reports: Receiver<'q, ReportOf<S>>,
     pub(super) faults: Receiver<'q, Fault<S::N>>,
     pub(super) samples: Receiver<'q, Telemetry<S::N>>,
@@ -147,6 +152,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         ends: BackgroundEnds<'q, S>,
     ) -> Self {
         let inputs = scene.interlocks().states();
+        let digital = scene.digital().are_named().then(DigitalStates::default);
         Self {
             scene,
             settings,
@@ -163,6 +169,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
             feedback: ends.feedback,
             contact: ends.contact,
             levels: ends.levels,
+            digital: ends.digital,
             reports: ends.reports,
             faults: ends.faults,
             samples: ends.samples,
@@ -197,6 +204,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
                 not_enabled: None,
                 inputs,
                 probe: None,
+                digital,
             },
             reported: (State::Disabled, Acting::Nothing, 0),
             generation: 0,
@@ -309,6 +317,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         self.apply_splice(report.splice.get());
         self.apply_feedback(report.feedback.get(), report.pose);
         self.apply_interlocks(report.interlocks.get());
+        self.apply_digital(report.digital.get());
         let over = report.generation != self.generation;
         if over {
             self.start_over(report);
@@ -347,6 +356,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         self.generation = report.generation;
         self.offered.clear();
         self.drop_levels();
+        self.drop_outputs();
         self.checking = false;
         self.aim = Aiming::<N>::NONE;
         self.planner.drop_path();

@@ -208,6 +208,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let planned = self.queued(&offered, self.judgement.paces());
         let QueuedMove { ticks, number, .. } = planned;
         self.admit_levels(number);
+        self.admit_outputs(number);
         if !self.moves.send(planned) {
             return;
         }
@@ -270,6 +271,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         };
         self.checking = false;
         self.drop_levels();
+        self.drop_outputs();
         // Where the refused one is a cubic, a quintic behind a quintic starts anew.
         let [acceleration, _] = offered.quintic().unwrap_or([[N::ZERO; 3]; 2]);
         let Move {

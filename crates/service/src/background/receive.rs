@@ -166,6 +166,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             | Command::Quintic(_)
             | Command::Moves(_)
             | Command::Listed(_)
+            | Command::OutputsAt(_)
             | Command::Retarget(_)
                 if self.is_retargeting() =>
             {
@@ -175,6 +176,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             | Command::Quintic(_)
             | Command::Moves(_)
             | Command::Listed(_)
+            | Command::OutputsAt(_)
             | Command::Retarget(_)
                 if self.planner.is_active() =>
             {
@@ -187,6 +189,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             Command::Listed(listed) => self.offer_listed(listed.content()),
             Command::Start => self.start(),
             Command::Probe { away } => self.start_probing(*away),
+            Command::Output { index, on } => self.switch_output(*index, *on),
+            Command::OutputsAt(switch) => self.switch_at(switch),
             Command::Hold => self.hold(),
             Command::Resume => self.resume(),
             Command::Stop => self.stop(),

@@ -3,12 +3,14 @@
 use super::observer::{Commanded, Deviation};
 use crate::settings::StopCategory;
 use core::f64::consts::TAU;
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
 use trirrr_core::number::Number;
 use trirrr_core::tick::Motor;
 use trirrr_core::to_source;
 
 /// Settings of contact detection, in SI units.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct ContactParameters {
     /// Greatest force on the platform that is no contact, N, positive,
     pub force_n: f64,

@@ -1,5 +1,7 @@
 //! Limits of the watch over the drives, and what it takes to find a pose.
 
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
 use trirrr_core::forward::Forward;
 use trirrr_core::machine::{Geometry, Parameters};
 use trirrr_core::number::Number;
@@ -7,7 +9,7 @@ use trirrr_core::setpoint::Pose;
 use trirrr_core::to_source;
 
 /// Limits of the watch over the drives. Angles in rad, times in ticks.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct FeedbackParameters {
     /// A drive that tells nothing for longer is silent; positive.
     pub timeout_ticks: u16,

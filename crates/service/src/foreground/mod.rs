@@ -12,6 +12,7 @@ mod supply;
 pub use output::{Output, Power};
 
 use super::contact::TickContact;
+use super::digital::{DigitalKind, DigitalReadingsOf, TickDigital};
 use super::feed::{FeedScale, PathPosition};
 use super::feedback::{Feedback, ReadingsOf, TickFeedback};
 use super::guard::{Guard, LimitBreach};
@@ -60,6 +61,7 @@ pub struct Foreground<'q, S: Scene> {
     pub(super) feedback: TickFeedback<'q, S>,
     contact: TickContact<'q, S>,
     levels: TickLevels<'q, S>,
+    digital: TickDigital<'q, S>,
     reports: Sender<'q, ReportOf<S>>,
     faults: Sender<'q, Fault<S::N>>,
     samples: Sender<'q, Telemetry<S::N>>,
@@ -137,6 +139,7 @@ pub(super) struct ForegroundEnds<'q, S: Scene> {
     pub(super) feedback: TickFeedback<'q, S>,
     pub(super) contact: TickContact<'q, S>,
     pub(super) levels: TickLevels<'q, S>,
+    pub(super) digital: TickDigital<'q, S>,
     pub(super) reports: Sender<'q, ReportOf<S>>,
     pub(super) faults: Sender<'q, Fault<S::N>>,
     pub(super) samples: Sender<'q, Telemetry<S::N>>,
@@ -173,6 +176,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             feedback: ends.feedback,
             contact: ends.contact,
             levels: ends.levels,
+            digital: ends.digital,
             reports: ends.reports,
             faults: ends.faults,
             samples: ends.samples,
@@ -251,6 +255,9 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         if let Some(levels) = self.levels.get_mut() {
             levels.drop_stale(self.generation);
         }
+        if let Some(digital) = self.digital.get_mut() {
+            digital.drop_stale(self.generation);
+        }
         self.check_interlocks();
         let started = self.take_order();
         let target = self.advance(started);
@@ -293,6 +300,10 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         };
         self.clock = self.clock.wrapping_add(1);
         self.shared.tick.store(self.clock, Ordering::Relaxed);
+        let runs = self.tool_runs();
+        if let Some(digital) = self.digital.get_mut() {
+            self.unreported |= digital.settle(runs, self.clock);
+        }
         self.report();
         self.sample(&setpoint);
         if let Some(watch) = self.feedback.get_mut() {
@@ -313,6 +324,21 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         if self.interlocks.sense(readings) {
             self.unreported = true;
         }
+    }
+
+    /// Takes the levels of the spare inputs, before the tick. A machine whose owner says nothing keeps the last.
+    #[inline]
+    pub fn sense_digital(&mut self, readings: DigitalReadingsOf<S>) {
+        <S::Digital as DigitalKind>::sense(&mut self.digital, readings);
+    }
+
+    /// Returns the spare outputs that are on, a bit for each: none after a fault from outside, too.
+    #[inline]
+    pub fn digital_outputs(&self) -> u8 {
+        let runs = self.tool_runs();
+        self.digital
+            .get()
+            .map_or(0, |digital| digital.outputs(runs))
     }
 
     /// Returns the output of the last tick.
@@ -452,6 +478,9 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             let plays = matches!(state, State::Running | State::Slowing | State::Holding);
             if !plays && let Some(probe) = self.interlocks.probe() {
                 probe.disarm();
+            }
+            if let Some(digital) = self.digital.get_mut() {
+                digital.enter(state);
             }
             self.state = state;
             self.acting = acting;

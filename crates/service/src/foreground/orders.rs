@@ -46,6 +46,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             }
             Order::Recover => return self.recover(),
             Order::Home => self.home(),
+            Order::Output { on, off } => {
+                if let Some(digital) = self.digital.get_mut() {
+                    digital.switch(on, off, self.state);
+                }
+            }
             Order::FeedOverride { percent } => self.feed.aim_at(percent),
             Order::Telemetry { every, fields } => {
                 (self.every, self.fields) = (every, fields);

@@ -317,6 +317,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         if let Some(levels) = self.levels.get_mut() {
             levels.begin(number, self.generation);
         }
+        if let Some(digital) = self.digital.get_mut() {
+            digital.begin(number, self.generation);
+        }
         self.begun = number.wrapping_add(1);
         self.path = Path::Move;
         self.begin_part(0);

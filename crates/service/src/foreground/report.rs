@@ -1,5 +1,6 @@
 //! Reports and samples that the tick sends of itself.
 
+use super::super::digital::DigitalKind;
 use super::super::feedback::Feedback;
 use super::super::handoff::{TickReport, count};
 use super::super::interlock::InterlockKind;
@@ -31,6 +32,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             splice: <SplicesOf<S>>::report(&self.splices, self.position.tick),
             feedback: <S::Feedback as Feedback<N>>::report(&self.feedback),
             interlocks: self.interlocks.report(),
+            digital: <S::Digital as DigitalKind>::report(&self.digital),
         };
         self.unreported = !self.reports.send(report);
     }

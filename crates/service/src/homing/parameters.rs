@@ -1,11 +1,13 @@
 //! Parameters of homing that a scene gives.
 
+use postcard_schema::Schema;
+use serde::{Deserialize, Serialize};
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{shorter_way, wrapped};
 use trirrr_core::to_source;
 
 /// Kind of reference that a motor meets.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Contact {
     /// A switch, which it may run over.
     Switch,
@@ -20,7 +22,7 @@ pub enum Contact {
 to_source!(pub Contact in trirrr_service: Switch, Stall, Torque, Unfelt);
 
 /// Homing of one motor. Angles in rad, rates and accelerations in the machine's unit of time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct HomingMotor {
     /// Joint angle at which the switch closes or the stop lies.
     pub angle_rad: f64,
@@ -44,7 +46,7 @@ pub struct HomingMotor {
 }
 
 /// Homing of a machine.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct HomingParameters {
     /// Kind of reference that the motors meet.
     pub contact: Contact,
@@ -61,7 +63,7 @@ pub struct HomingParameters {
 }
 
 /// Durations of the parts of homing, ticks.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct HomingTimes {
     /// The search at most, and the whole of a run against a stop that nobody feels.
     pub search: [u32; 3],

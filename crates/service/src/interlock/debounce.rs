@@ -4,7 +4,7 @@
 /// top, and clear once it is at 0. A wire that breaks and chatters stops the machine, too, if it tells active most of the time: readings
 /// in a row, as [homing](crate::homing) takes them for the time of a switch, may never come.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct DebouncedInput {
+pub(crate) struct DebouncedInput {
     is_active: bool,
     count: u16,
     /// Counter at which the contact is active: ticks of a change without bounces.
@@ -13,7 +13,7 @@ pub(super) struct DebouncedInput {
 
 impl DebouncedInput {
     /// Clear contact, which is active in the tick `debounce_ticks` of those that tell so; at least the first.
-    pub(super) fn new(debounce_ticks: u16) -> Self {
+    pub(crate) fn new(debounce_ticks: u16) -> Self {
         Self {
             is_active: false,
             count: 0,
@@ -23,7 +23,7 @@ impl DebouncedInput {
 
     /// Takes what the contact tells in this tick. Returns true if it has changed with that.
     #[inline]
-    pub(super) fn read(&mut self, is_active: bool) -> bool {
+    pub(crate) fn read(&mut self, is_active: bool) -> bool {
         self.count = match is_active {
             true => self.count.saturating_add(1).min(self.top),
             false => self.count.saturating_sub(1),
@@ -38,7 +38,7 @@ impl DebouncedInput {
     }
 
     #[inline(always)]
-    pub(super) fn is_active(&self) -> bool {
+    pub(crate) fn is_active(&self) -> bool {
         self.is_active
     }
 }

@@ -21,7 +21,7 @@ use trirrr_core::number::Number;
 use trirrr_core::to_source;
 use trirrr_protocol::message::{InputState, InputStates};
 
-use debounce::DebouncedInput;
+pub(crate) use debounce::DebouncedInput;
 use limits::LimitSwitches;
 pub(crate) use probe::{LatchedContact, LatchedRun};
 pub use probe::{ProbeLatch, ProbeMemory};

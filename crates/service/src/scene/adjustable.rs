@@ -3,6 +3,7 @@
 use super::{Changed, Scene, Setup};
 use crate::coefficients::{Coefficients, allow_jerk};
 use crate::contact::ContactCoefficients;
+use crate::digital::DigitalParameters;
 use crate::feedback::FeedbackCoefficients;
 use crate::homing::{NoHoming, Plan};
 use crate::number::ServiceNumber;
@@ -68,6 +69,7 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
     type Contact = ();
     type Retreat = crate::retreat::NoRetreat;
     type Interlocks = ();
+    type Digital = ();
     type Coefficients = Coefficients<M>;
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<M>, BuildError> {
@@ -102,6 +104,11 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
 
     #[inline(always)]
     fn interlocks(&self) {}
+
+    #[inline(always)]
+    fn digital(&self) -> DigitalParameters {
+        DigitalParameters::default()
+    }
 
     #[inline(always)]
     fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {

@@ -4,6 +4,7 @@ use super::{Changed, NoSlot, Scene};
 use crate::admission::Enclose;
 use crate::coefficients::Coefficients;
 use crate::contact::ContactCoefficients;
+use crate::digital::DigitalParameters;
 use crate::feedback::FeedbackCoefficients;
 use crate::homing::{NoHoming, Plan};
 use crate::number::ServiceNumber;
@@ -82,6 +83,7 @@ where
     type Contact = ();
     type Retreat = crate::retreat::NoRetreat;
     type Interlocks = ();
+    type Digital = ();
     type Coefficients = &'a Coefficients<M>;
 
     #[inline(always)]
@@ -109,6 +111,11 @@ where
 
     #[inline(always)]
     fn interlocks(&self) {}
+
+    #[inline(always)]
+    fn digital(&self) -> DigitalParameters {
+        DigitalParameters::default()
+    }
 
     #[inline(always)]
     fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {

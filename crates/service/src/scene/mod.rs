@@ -3,12 +3,12 @@
 //! [`Compiled`] cannot change: an image with it holds coefficients and no code to build any.
 //! [`Adjustable`] takes overrides of geometry, loads and limits while the machine is idle.
 //! [`WithLevels`] adds power lists to either, [`WithHoming`] homing, [`WithFeedback`] drives that tell where they are, [`WithContact`] the detection of contacts to that,
-//! [`WithInterlocks`] an emergency stop, a door, limit switches and a probe, [`WithUpdate`] a program that can be replaced over
-//! the line. The choice
+//! [`WithInterlocks`] an emergency stop, a door, limit switches and a probe, [`WithDigital`] spare inputs and outputs,
+//! [`WithUpdate`] a program that can be replaced over the line. The choice
 //! is a type, so that a scene pays only for its own kind. Likewise the kinds of moves: cubics, or quintics beside them.
 
 /// Items of a [`Scene`] that adds nothing to those of its field `scene`, of type `S` in the number type `N`: everything but
-/// updates, power lists, homing, feedback, contacts, retreats and interlocks.
+/// updates, spare inputs and outputs, power lists, homing, feedback, contacts, retreats and interlocks.
 macro_rules! inner_parts {
     () => {
         type N = N;
@@ -58,7 +58,7 @@ macro_rules! inner_parts {
 use inner_parts;
 
 /// Items as those of `inner_parts`, and the updates.
-macro_rules! inner_machine {
+macro_rules! inner_updates {
     () => {
         $crate::scene::inner_parts!();
         type Update = S::Update;
@@ -74,6 +74,20 @@ macro_rules! inner_machine {
         #[inline(always)]
         fn update_status(&self) -> Option<trirrr_protocol::message::UpdateStatus> {
             self.scene.update_status()
+        }
+    };
+}
+use inner_updates;
+
+/// Items as those of `inner_updates`, and the spare inputs and outputs.
+macro_rules! inner_machine {
+    () => {
+        $crate::scene::inner_updates!();
+        type Digital = S::Digital;
+
+        #[inline(always)]
+        fn digital(&self) -> $crate::digital::DigitalParameters {
+            self.scene.digital()
         }
     };
 }
@@ -96,25 +110,30 @@ use inner_scene;
 mod adjustable;
 mod compiled;
 mod contact;
+mod digital;
 mod homed;
 mod interlocked;
 mod levels;
 mod measured;
 mod slot;
 mod updated;
+mod values;
 
 pub use adjustable::Adjustable;
 pub use compiled::{Compiled, Parts};
 pub use contact::WithContact;
+pub use digital::WithDigital;
 pub use homed::WithHoming;
 pub use interlocked::WithInterlocks;
 pub use levels::WithLevels;
 pub use measured::WithFeedback;
 pub use slot::{NoSlot, Put, Slot, Take};
 pub use updated::{ImageSlot, WithUpdate};
+pub use values::{SceneValues, StepperValues, needs_of_model};
 
 use crate::coefficients::Coefficients;
 use crate::contact::{ContactChannels, ContactCoefficients};
+use crate::digital::{DigitalKind, DigitalParameters};
 use crate::feedback::{Feedback, FeedbackCoefficients};
 use crate::homing::{Homing, Plan};
 use crate::interlock::InterlockKind;
@@ -213,6 +232,9 @@ pub trait Scene {
     /// Emergency stop, door, limit switches and probe; `()` without any.
     type Interlocks: InterlockKind<Self::N>;
 
+    /// Spare inputs and outputs; `()` without any.
+    type Digital: DigitalKind;
+
     /// Coefficients as the background keeps them: a reference to constants, or the coefficients themselves.
     type Coefficients: Borrow<Coefficients<Self::Model>>;
 
@@ -251,6 +273,9 @@ pub trait Scene {
 
     /// Returns the interlocks, all clear.
     fn interlocks(&self) -> Self::Interlocks;
+
+    /// Returns the spare inputs and outputs.
+    fn digital(&self) -> DigitalParameters;
 
     /// Returns the coefficients of the feedback; `None` if the drives tell nothing.
     fn feedback(&self) -> Option<&FeedbackCoefficients<Self::N>>;

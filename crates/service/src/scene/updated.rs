@@ -2,6 +2,7 @@
 
 use super::Scene;
 use crate::contact::ContactCoefficients;
+use crate::digital::DigitalParameters;
 use crate::feedback::FeedbackCoefficients;
 use crate::homing::Plan;
 use crate::number::ServiceNumber;
@@ -31,6 +32,7 @@ pub struct WithUpdate<S, U> {
 impl<N: ServiceNumber, S: Scene<N = N>, U: ImageSlot> Scene for WithUpdate<S, U> {
     super::inner_parts!();
     type Update = UpdateStep;
+    type Digital = S::Digital;
     type Levels = S::Levels;
     type Homing = S::Homing;
     type Feedback = S::Feedback;
@@ -44,6 +46,11 @@ impl<N: ServiceNumber, S: Scene<N = N>, U: ImageSlot> Scene for WithUpdate<S, U>
 
     fn update_status(&self) -> Option<UpdateStatus> {
         Some(self.slot.status())
+    }
+
+    #[inline(always)]
+    fn digital(&self) -> DigitalParameters {
+        self.scene.digital()
     }
 
     #[inline(always)]

@@ -1,6 +1,7 @@
 mod accounts;
 mod batches;
 mod contact;
+mod digital;
 mod explore;
 mod faults;
 mod feedback;
@@ -20,6 +21,7 @@ mod splice;
 mod states;
 mod threads;
 mod updates;
+mod values;
 
 use super::*;
 use crate::admission::Enclose;

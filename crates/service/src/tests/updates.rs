@@ -24,7 +24,10 @@ impl ImageSlot for KeptImage {
                 self.bytes.extend(block.bytes());
                 Ok(())
             }
-            UpdateStep::Begin(_) | UpdateStep::Finish | UpdateStep::Restart => Ok(()),
+            UpdateStep::Begin(_)
+            | UpdateStep::BeginScene(_)
+            | UpdateStep::Finish
+            | UpdateStep::Restart => Ok(()),
         }
     }
 
@@ -36,6 +39,7 @@ impl ImageSlot for KeptImage {
             coming: Some(self.steps),
             received: self.bytes.len() as u32,
             outcome: UpdateOutcome::Never,
+            scene: None,
         }
     }
 }

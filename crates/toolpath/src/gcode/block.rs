@@ -42,7 +42,7 @@ const LETTERS: [u8; 13] = *b"AFIJKLPRSTXYZ";
 /// Number of modal groups of G codes, so the most G codes in a line.
 const GROUPS: usize = 11;
 /// Number of modal groups of M codes.
-const MISC_GROUPS: usize = 3;
+const MISC_GROUPS: usize = 4;
 
 impl<'a> Block<'a> {
     pub(super) fn new(number: u32) -> Self {

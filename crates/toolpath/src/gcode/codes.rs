@@ -58,6 +58,11 @@ pub(super) enum MiscCode {
     Laser(LaserMode),
     /// M7 to M9: the machine has no coolant.
     Coolant,
+    /// M62 to M65.
+    Output {
+        on: bool,
+        with_motion: bool,
+    },
 }
 
 /// Code that ended a program.
@@ -154,6 +159,16 @@ pub(super) fn miscellaneous(tenths: u32) -> Result<MiscCode, &'static str> {
         40 => MiscCode::Laser(LaserMode::FollowsSpeed),
         50 => MiscCode::Laser(LaserMode::Off),
         70 | 80 | 90 => MiscCode::Coolant,
+        620 | 630 => MiscCode::Output {
+            on: tenths == 620,
+            with_motion: true,
+        },
+        640 | 650 => MiscCode::Output {
+            on: tenths == 640,
+            with_motion: false,
+        },
+        660 => return Err("jobs do not wait for inputs; pause with M0, or stand with G4"),
+        670 | 680 => return Err("outputs have two levels: M62 to M65; the tool has power: S"),
         60 => return Err("the machine has no tool changer; remove the code, or pause with M0"),
         980 | 990 => return Err("subprograms are not supported; write their blocks out"),
         _ => {
@@ -170,5 +185,6 @@ pub(super) fn miscellaneous_group(code: MiscCode) -> u32 {
         MiscCode::Pause | MiscCode::End(_) => 20,
         MiscCode::Laser(_) => 21,
         MiscCode::Coolant => 22,
+        MiscCode::Output { .. } => 23,
     }
 }

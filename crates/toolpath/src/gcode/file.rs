@@ -63,7 +63,7 @@ impl<R: BufRead> GcodeFile<R> {
         let length = read.map_err(|error| refuse(format!("the line cannot be read: {error}")))?;
         if length == 0 {
             self.ended = true;
-            return Ok(());
+            return self.interpreter.check_end();
         }
         let text = match self.text.strip_suffix(b"\n") {
             Some(text) => text,

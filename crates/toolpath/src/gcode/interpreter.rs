@@ -5,9 +5,13 @@ use super::frames::WorkFrames;
 use super::modal::Modal;
 use super::run::LineRun;
 use super::setup::GcodeSetup;
-use super::text::{LineKind, plain};
+use super::text::{LineKind, plain, refusal};
 use super::words;
 use crate::{Element, PathFault, ToolPlace};
+
+/// Reason to refuse an output that waits for a motion which does not come.
+pub(super) const NO_MOTION: &str =
+    "no motion follows with which the output would change; M64 and M65 change it at once";
 
 /// Interpreter of G-code, line by line.
 #[derive(Clone, Debug)]
@@ -24,6 +28,7 @@ pub(super) struct FixedSetup {
     pub(super) full_power: f64,
     pub(super) home: Option<ToolPlace>,
     pub(super) ignore_z: bool,
+    pub(super) outputs: u8,
 }
 
 /// Everything that a line may change.
@@ -35,6 +40,8 @@ pub(super) struct GcodeState {
     pub(super) place: ToolPlace,
     /// Words came since the start or the last end of a program.
     pub(super) begun: bool,
+    /// Line of an M62 or M63 that waits for a motion.
+    pub(super) waiting: Option<u32>,
 }
 
 /// Demands of a line.
@@ -57,6 +64,7 @@ impl Interpreter {
             full_power,
             home,
             ignore_z,
+            outputs,
         } = setup;
         let frames = WorkFrames {
             origins,
@@ -67,12 +75,14 @@ impl Interpreter {
             frames,
             place: start,
             begun: false,
+            waiting: None,
         };
         Self {
             fixed: FixedSetup {
                 full_power,
                 home,
                 ignore_z,
+                outputs,
             },
             state,
             scratch: String::new(),
@@ -127,6 +137,15 @@ impl Interpreter {
         self.state.modal = Modal::default();
         self.state.frames.shift = ToolPlace::default();
         self.state.begun = false;
+        self.state.waiting = None;
+    }
+
+    /// Refuses the end of a program in which an M62 or M63 waits for a motion: it would have no effect.
+    pub(super) fn check_end(&self) -> Result<(), PathFault> {
+        match self.state.waiting {
+            Some(line) => Err(refusal(line, "", NO_MOTION)),
+            None => Ok(()),
+        }
     }
 
     /// Coordinates in the active system of a place in the fixed frame.
@@ -149,7 +168,9 @@ impl Interpreter {
             LineKind::Deleted => {}
             LineKind::Percent => {
                 // The first one opens a program, the next one closes it.
-                if std::mem::take(&mut self.state.begun) {
+                if self.state.begun {
+                    self.check_end()?;
+                    self.state.begun = false;
                     work.end = Some(ProgramEnd::Percent);
                 }
             }

@@ -1,9 +1,18 @@
 //! One block, carried out on a copy of the state.
 use super::block::Block;
 use super::codes::{GeneralCode, MiscCode, OnceCode, ProgramEnd};
-use super::interpreter::{FixedSetup, GcodeState};
+use super::interpreter::{FixedSetup, GcodeState, NO_MOTION};
 use super::modal::{FeedMode, LaserMode, Modal, MotionMode, PathMode};
-use crate::{Act, Element, PathFault, ToolPlace, ToolWork};
+use super::text::refusal;
+use crate::{Act, Element, OutputAct, PathFault, ToolPlace, ToolWork};
+
+/// M62 to M65 of a block.
+#[derive(Clone, Copy)]
+pub(super) struct OutputCode<'t> {
+    on: bool,
+    with_motion: bool,
+    text: &'t str,
+}
 
 /// Block under way.
 pub(super) struct LineRun<'b, 't> {
@@ -18,6 +27,8 @@ pub(super) struct LineRun<'b, 't> {
     pub(super) inverse_time: Option<f64>,
     /// G64 stands in the block.
     pub(super) blend: bool,
+    /// Change of an output.
+    pub(super) output: Option<OutputCode<'t>>,
     pause: bool,
     end: Option<ProgramEnd>,
 }
@@ -33,6 +44,7 @@ impl<'b, 't> LineRun<'b, 't> {
             named: None,
             inverse_time: None,
             blend: false,
+            output: None,
             pause: false,
             end: None,
         }
@@ -43,7 +55,7 @@ impl<'b, 't> LineRun<'b, 't> {
         (self.state, self.elements, self.end)
     }
 
-    /// Carries the block out: modes, then F, S, T, laser, dwell, coordinate systems, motion, and the end.
+    /// Carries the block out: modes, then F, S, T, laser, outputs, dwell, coordinate systems, motion, and the end.
     pub(super) fn block(&mut self) -> Result<(), PathFault> {
         self.state.begun = true;
         self.modes();
@@ -52,6 +64,7 @@ impl<'b, 't> LineRun<'b, 't> {
         self.power()?;
         self.tool()?;
         self.tolerance()?;
+        self.output()?;
         let axes = self.axis_words()?;
         match self.once {
             Some(OnceCode::Dwell) => self.dwell()?,
@@ -69,6 +82,9 @@ impl<'b, 't> LineRun<'b, 't> {
             self.push(None, Act::Pause);
         }
         if self.end.is_some() {
+            if let Some(line) = self.state.waiting {
+                return Err(refusal(line, "", NO_MOTION));
+            }
             self.end_program();
         }
         Ok(())
@@ -76,6 +92,9 @@ impl<'b, 't> LineRun<'b, 't> {
 
     /// Puts an element behind the others of the block.
     pub(super) fn push(&mut self, tool: Option<ToolWork>, act: Act) {
+        if matches!(act, Act::Motion(_)) {
+            self.state.waiting = None;
+        }
         self.elements.push(Element {
             line: self.block.number,
             tool,
@@ -139,6 +158,13 @@ impl<'b, 't> LineRun<'b, 't> {
                 MiscCode::End(end) => self.end = Some(end),
                 MiscCode::Laser(laser) => modal.laser = laser,
                 MiscCode::Coolant => {}
+                MiscCode::Output { on, with_motion } => {
+                    self.output = Some(OutputCode {
+                        on,
+                        with_motion,
+                        text: word.text,
+                    });
+                }
             }
         }
     }
@@ -206,6 +232,44 @@ impl<'b, 't> LineRun<'b, 't> {
             }
             self.state.modal.blend_m = Some(self.state.modal.unit.to_metres(word.value));
         }
+        Ok(())
+    }
+
+    /// M62 to M65.
+    fn output(&mut self) -> Result<(), PathFault> {
+        let Some(OutputCode {
+            on,
+            with_motion,
+            text,
+        }) = self.output
+        else {
+            return Ok(());
+        };
+        let Some(word) = self.block.value(b'P') else {
+            let reason = "an output needs P with its number";
+            return Err(self.block.refuse(text, reason));
+        };
+        let numbers = 0..self.fixed.outputs;
+        let Some(index) = numbers.into_iter().find(|n| f64::from(*n) == word.value) else {
+            let reason = match self.fixed.outputs {
+                0 => "there are no outputs: [[io.outputs]] of the scene names them, and senders of GRBL have none".into(),
+                outputs => format!("there is no such output; they have the numbers 0 to {}", outputs - 1),
+            };
+            return Err(self.block.refuse(word.text, &reason));
+        };
+        if with_motion {
+            self.state.waiting = Some(self.block.number);
+        }
+        // As in a dwell: a gripper must not let go for it.
+        let tool = self.tool_at_rest();
+        self.push(
+            tool,
+            Act::Output(OutputAct {
+                index,
+                on,
+                with_motion,
+            }),
+        );
         Ok(())
     }
 

@@ -17,10 +17,12 @@ pub struct GcodeSetup {
     pub home: Option<ToolPlace>,
     /// Z words are read and have no effect. Otherwise they are refused: the machine moves in the plane.
     pub ignore_z: bool,
+    /// Outputs of the machine, of the numbers from 0 on; at most 8.
+    pub outputs: u8,
 }
 
 impl Default for GcodeSetup {
-    /// All zero points at the origin of the fixed frame, S1000 for full power, no G28, no Z.
+    /// All zero points at the origin of the fixed frame, S1000 for full power, no G28, no Z, no outputs.
     fn default() -> Self {
         Self {
             start: ToolPlace::default(),
@@ -28,6 +30,7 @@ impl Default for GcodeSetup {
             full_power: 1000.0,
             home: None,
             ignore_z: false,
+            outputs: 0,
         }
     }
 }

@@ -43,10 +43,16 @@ impl LineRun<'_, '_> {
         let dwell_or_origin = matches!(self.once, Some(OnceCode::Dwell | OnceCode::SetOrigin));
         // A dwell under a modal arc has P for itself, unless there is an arc in its line.
         let arc_in_line = arc && (self.named.is_some() || self.has_axes());
-        match u8::from(dwell_or_origin) + u8::from(self.blend) + u8::from(arc_in_line) {
+        let uses = [
+            dwell_or_origin,
+            self.blend,
+            arc_in_line,
+            self.output.is_some(),
+        ];
+        match uses.map(u8::from).iter().sum() {
             0 => refuse(
                 self.block.value(b'P'),
-                "the word needs G2, G3, G4, G10 or G64 in its line",
+                "the word needs G2, G3, G4, G10, G64 or M62 to M65 in its line",
             )?,
             1 => {}
             _ => refuse(

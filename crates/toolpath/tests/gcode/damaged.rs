@@ -92,6 +92,10 @@ fn check(act: Act, at: ToolPlace) -> ToolPlace {
             return at;
         }
         Act::Pause => return at,
+        Act::Output(output) => {
+            assert!(output.index < 8);
+            return at;
+        }
     };
     assert!(finite(motion.to));
     assert!(
@@ -123,6 +127,7 @@ fn run(count: u32, seed: u64) -> u32 {
     println!("seed {seed}");
     let mut random = Random(seed);
     let setup = GcodeSetup {
+        outputs: 8,
         home: Some(ToolPlace::default()),
         ..GcodeSetup::default()
     };

@@ -6,6 +6,7 @@ mod damaged;
 mod feeds;
 mod files;
 mod modes;
+mod outputs;
 mod programs;
 mod refusals;
 mod syntax;

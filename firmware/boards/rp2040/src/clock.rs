@@ -78,7 +78,7 @@ pub(super) fn start(
     };
     // Off, as after a reset.
     #[cfg(not(usb))]
-    drop(usb_pll);
+    let _ = usb_pll;
     Some(PortRates {
         peripheral: clocks.peripheral_clock.freq(),
         #[cfg(usb)]

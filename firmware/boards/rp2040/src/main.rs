@@ -19,6 +19,8 @@ mod clock;
 #[path = "../../common/mod.rs"]
 mod common;
 #[cfg(target_os = "none")]
+mod critical;
+#[cfg(target_os = "none")]
 mod drives;
 #[cfg(target_os = "none")]
 mod pins;
@@ -44,9 +46,15 @@ mod app {
     use super::pins::Ports;
     use super::start;
     #[cfg(not(usb))]
-    use super::uart::{self as line_port, LineMemory, LineReceiver, LineTransmitter};
+    use super::uart::{
+        self as line_port, UartMemory as LineMemory, UartReceiver as LineReceiver,
+        UartTransmitter as LineTransmitter,
+    };
     #[cfg(usb)]
-    use super::usb::{self as line_port, LineMemory, LineReceiver, LineTransmitter};
+    use super::usb::{
+        self as line_port, PlugMemory as LineMemory, PlugReceiver as LineReceiver,
+        PlugTransmitter as LineTransmitter,
+    };
     use rp2040_hal::fugit::{ExtU32, RateExtU32};
     use rp2040_hal::gpio::{self, AnyPin, FunctionUart, Pin, PullNone};
     use rp2040_hal::pwm::Slices;
@@ -152,6 +160,17 @@ mod app {
             tool,
             #[cfg(lamp)]
             lamp: pins.lamp,
+            #[cfg(digital)]
+            spare: (
+                pins.output_1,
+                pins.output_2,
+                pins.output_3,
+                pins.output_4,
+                pins.output_5,
+                pins.output_6,
+                pins.output_7,
+                pins.output_8,
+            ),
         });
         let inputs = inputs::build(InputPins {
             #[cfg(homing)]
@@ -160,6 +179,17 @@ mod app {
             contacts: (pins.stop, pins.door, pins.probe),
             #[cfg(interlocks)]
             limits: (pins.limit_1, pins.limit_2, pins.limit_3),
+            #[cfg(digital)]
+            spare: (
+                pins.input_1,
+                pins.input_2,
+                pins.input_3,
+                pins.input_4,
+                pins.input_5,
+                pins.input_6,
+                pins.input_7,
+                pins.input_8,
+            ),
         });
         watchdog.start(WATCHDOG_MS.millis());
         let clock = TickClock::start(context.core.SYST, const { period(CORE_HZ) });

@@ -22,24 +22,24 @@ type LinePins = (
 );
 
 /// Bytes on their way to the background.
-pub(crate) type LineMemory = Queue<u8, RECEIVED>;
+pub(crate) type UartMemory = Queue<u8, RECEIVED>;
 
 /// Transmitter of the line.
-pub(crate) type LineTransmitter = Writer<LinePort, LinePins>;
+pub(crate) type UartTransmitter = Writer<LinePort, LinePins>;
 
 /// Receiver, in its interrupt.
-pub(crate) struct LineReceiver {
+pub(crate) struct UartReceiver {
     port: Reader<LinePort, LinePins>,
     received: Producer<'static, u8>,
 }
 
 /// Starts the port of the line at its pins.
 pub(crate) fn start(
-    memory: &'static mut LineMemory,
+    memory: &'static mut UartMemory,
     (port, transmit, receive): (LinePort, LineTransmit, LineReceive),
     resets: &mut RESETS,
     clock: HertzU32,
-) -> (LineReceiver, Consumer<'static, u8>, LineTransmitter) {
+) -> (UartReceiver, Consumer<'static, u8>, UartTransmitter) {
     let pins = (transmit.reconfigure(), receive.reconfigure());
     let settings = UartConfig::new(BAUD.Hz(), DataBits::Eight, None, StopBits::One);
     let Ok(mut line) = UartPeripheral::new(port, pins, resets).enable(settings, clock) else {
@@ -49,10 +49,10 @@ pub(crate) fn start(
     let (mut port, transmitter) = line.split();
     port.enable_rx_interrupt();
     let (received, bytes) = memory.split();
-    (LineReceiver { port, received }, bytes, transmitter)
+    (UartReceiver { port, received }, bytes, transmitter)
 }
 
-impl LineReceiver {
+impl UartReceiver {
     /// Moves bytes from the line into their queue.
     #[inline(always)]
     pub(crate) fn run(&mut self) {

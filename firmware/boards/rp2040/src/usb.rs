@@ -9,21 +9,21 @@ use trirrr_app::usb::{UsbLine, UsbMemory, UsbTransmitter};
 use usb_device::bus::UsbBusAllocator;
 
 /// Memory of the line.
-pub(crate) type LineMemory = UsbMemory<UsbBus>;
+pub(crate) type PlugMemory = UsbMemory<UsbBus>;
 
 /// The line in its interrupt.
-pub(crate) type LineReceiver = UsbLine<UsbBus, Interrupt>;
+pub(crate) type PlugReceiver = UsbLine<UsbBus, Interrupt>;
 
 /// Transmitter of the line.
-pub(crate) type LineTransmitter = UsbTransmitter<Interrupt>;
+pub(crate) type PlugTransmitter = UsbTransmitter<Interrupt>;
 
 /// Starts the controller.
 pub(crate) fn start(
-    memory: &'static mut LineMemory,
+    memory: &'static mut PlugMemory,
     (registers, packets): (USBCTRL_REGS, USBCTRL_DPRAM),
     resets: &mut RESETS,
     clock: UsbClock,
-) -> (LineReceiver, Consumer<'static, u8>, LineTransmitter) {
+) -> (PlugReceiver, Consumer<'static, u8>, PlugTransmitter) {
     // The chip has no pin that tells the voltage of the plug: it takes it for there.
     let bus = UsbBus::new(registers, packets, clock, true, resets);
     // Nor has it a number of its own.

@@ -10,8 +10,8 @@ use trirrr_app::Output;
 use trirrr_app::inputs::Angle;
 use trirrr_app::outputs::Outputs;
 use trirrr_app::scene::Scalar;
-use trirrr_app::scene::drive::{ENABLE_HIGH, MOST_PER_TICK, PER_TURN, REVERSED};
-use trirrr_app::slots::{LINE, PER_TICK, SLOT_HZ};
+use trirrr_app::scene::drive::{ENABLE_HIGH, MOST_PER_TICK};
+use trirrr_app::slots::{LINE, PER_TICK, SLOT_HZ, steps};
 use trirrr_core::number::Arithmetic;
 use trirrr_drives::stepper::{Axis, Slots, Steppers};
 use trirrr_drives::{Active, Enable, Failure};
@@ -87,7 +87,7 @@ pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (CheckedSteppers, SlotT
     let pins = parts.pins;
     let active = Active::at(ENABLE_HIGH);
     let Ok(enable) = Enable::new(pins.enable.output(active.off()), active);
-    let [r1, r2, r3] = REVERSED;
+    let (per_turn, [r1, r2, r3]) = steps();
     let Ok(axis_1) = Axis::new(
         pins.step_1.output(false).into(),
         pins.direction_1.output(false).into(),
@@ -117,7 +117,7 @@ pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (CheckedSteppers, SlotT
             clocks.core
         );
     }
-    let steppers = Steppers::new(PER_TURN, MOST_PER_TICK, parts.angles, &LINE);
+    let steppers = Steppers::new(per_turn, MOST_PER_TICK, parts.angles, &LINE);
     (
         CheckedSteppers { steppers, runs },
         SlotTimer { slots, timer },

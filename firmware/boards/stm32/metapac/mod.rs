@@ -1,5 +1,7 @@
 //! Drivers by the registers of `stm32-metapac`, which has one set of names for all STM32s.
 
+#[cfg(not(usb))]
+pub(crate) mod dma;
 pub(crate) mod drives;
 pub(crate) mod gpio;
 pub(crate) mod serial;

@@ -4,9 +4,9 @@
 use crate::board::{LinePort, LineReceive, LineTransmit};
 use crate::board::{LogPort, LogTransmit};
 use crate::clock::Clocks;
-use crate::parts::Rcc;
 #[cfg(not(usb))]
-use embedded_hal_nb::serial::Read;
+use crate::line::{self, LineReceiver, LineTransmitter};
+use crate::parts::Rcc;
 use embedded_hal_nb::serial::{ErrorKind, ErrorType, Write};
 use stm32_metapac::usart::Usart;
 use stm32_metapac::usart::regs::Brr;
@@ -17,15 +17,8 @@ use trirrr_app::LOG_BAUD;
 /// Alternate function of every such pin.
 const FUNCTION: u8 = 7;
 
-/// Receiver of the line.
-#[cfg(not(usb))]
-pub(crate) struct LineReceiver(Usart);
-/// Transmitter of a port.
-pub(crate) struct Transmitter(Usart);
-
-#[cfg(not(usb))]
-pub(crate) type LineTransmitter = Transmitter;
-pub(crate) type LogTransmitter = Transmitter;
+/// Transmitter of the log.
+pub(crate) struct LogTransmitter(Usart);
 
 /// Starts the port of the log at its pin, where the line is USB.
 #[cfg(usb)]
@@ -36,16 +29,19 @@ pub(crate) fn start_log(
 ) -> LogTransmitter {
     let _ = log.1.into_alternate::<FUNCTION>();
     configure(log.0, LOG_BAUD, false, clocks);
-    Transmitter(log.0)
+    LogTransmitter(log.0)
 }
 
-/// Sets a port up. It has the clock of its bus.
-fn configure(port: Usart, baud: u32, receives: bool, clocks: &Clocks) {
+/// Sets a port up, that of the line for its DMA. It has the clock of its bus.
+fn configure(port: Usart, baud: u32, is_line: bool, clocks: &Clocks) {
     port.brr().write_value(Brr((clocks.apb1 + baud / 2) / baud));
+    port.cr3().write(|w| {
+        w.set_dmar(is_line);
+        w.set_dmat(is_line);
+    });
     port.cr1().write(|w| {
         w.set_te(true);
-        w.set_re(receives);
-        w.set_rxneie(receives);
+        w.set_re(is_line);
         w.set_ue(true);
     });
 }
@@ -56,55 +52,27 @@ pub(crate) fn start(
     line: (LinePort, LineTransmit, LineReceive),
     log: (LogPort, LogTransmit),
     clocks: &Clocks,
-    _: &mut Rcc,
+    rcc: &mut Rcc,
 ) -> (LineTransmitter, LineReceiver, LogTransmitter) {
-    // At rest the line is high: without an adapter at the pin noise would be bytes, and each of them an interrupt above the tick.
+    // At rest the line is high: without an adapter at the pin noise would be bytes.
     let _ = (
         line.1.into_alternate::<FUNCTION>(),
         line.2.into_alternate::<FUNCTION>().internal_pull_up(true),
         log.1.into_alternate::<FUNCTION>(),
     );
+    // The first byte finds the DMA waiting.
+    let data = [line.0.rdr().as_ptr() as u32, line.0.tdr().as_ptr() as u32];
+    let (transmitter, receiver) = line::start(data, rcc);
     configure(line.0, BAUD, true, clocks);
     configure(log.0, LOG_BAUD, false, clocks);
-    (
-        Transmitter(line.0),
-        LineReceiver(line.0),
-        Transmitter(log.0),
-    )
+    (transmitter, receiver, LogTransmitter(log.0))
 }
 
-#[cfg(not(usb))]
-impl ErrorType for LineReceiver {
+impl ErrorType for LogTransmitter {
     type Error = ErrorKind;
 }
 
-#[cfg(not(usb))]
-impl Read<u8> for LineReceiver {
-    #[inline(always)]
-    fn read(&mut self) -> nb::Result<u8, ErrorKind> {
-        let status = self.0.isr().read();
-        if status.ore() || status.fe() || status.ne() {
-            // An error would call the interrupt again and again.
-            self.0.icr().write(|w| {
-                w.set_ore(true);
-                w.set_fe(true);
-                w.set_ne(true);
-            });
-            let _ = self.0.rdr().read();
-            return Err(nb::Error::Other(ErrorKind::Other));
-        }
-        match status.rxne() {
-            true => Ok(self.0.rdr().read().dr() as u8),
-            false => Err(nb::Error::WouldBlock),
-        }
-    }
-}
-
-impl ErrorType for Transmitter {
-    type Error = ErrorKind;
-}
-
-impl Write<u8> for Transmitter {
+impl Write<u8> for LogTransmitter {
     fn write(&mut self, byte: u8) -> nb::Result<(), ErrorKind> {
         if !self.0.isr().read().txe() {
             return Err(nb::Error::WouldBlock);

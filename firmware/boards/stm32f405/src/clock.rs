@@ -139,7 +139,7 @@ fn is_right(rcc: &RCC, tim11: &TIM11) -> bool {
 /// `false`, with everything as before, if the PLL does not lock.
 fn start_pll(rcc: &RCC, flash: &FLASH, crystal: bool) -> bool {
     let pll = if crystal { board::PLL } else { INTERNAL_PLL };
-    // The reset leaves the PLL off, and only then it takes settings. 7 makes 48 MHz, which is not used.
+    // The reset leaves the PLL off, and only then it takes settings. 7 makes the 48 MHz of USB.
     // SAFETY: a board file is refused if no settings within the fields make this clock of its crystal.
     #[allow(unsafe_code)]
     rcc.pllcfgr().write(|w| unsafe {

@@ -7,6 +7,8 @@ mod chip;
 mod clock;
 #[cfg(target_os = "none")]
 mod dividers;
+#[cfg(all(target_os = "none", not(usb)))]
+mod dma;
 #[cfg(target_os = "none")]
 mod drives;
 #[cfg(target_os = "none")]

@@ -8,20 +8,20 @@ use crate::clock::Clocks;
 use crate::dividers::set_bauds;
 #[cfg(usb)]
 use crate::dividers::set_log_baud;
-use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::rcc::Rcc;
-use stm32f4xx_hal::serial::{Config, Tx};
 #[cfg(not(usb))]
-use stm32f4xx_hal::serial::{Rx, RxListen, Serial};
+use crate::line::{self, LineReceiver, LineTransmitter};
+use core::convert::Infallible;
+use embedded_hal_nb::serial::{ErrorType, Write};
+use stm32f4xx_hal::gpio::PushPull;
+use stm32f4xx_hal::gpio::alt::SerialAsync;
+use stm32f4xx_hal::pac::usart1;
+use stm32f4xx_hal::rcc::{Enable, Rcc};
 #[cfg(not(usb))]
 use trirrr_app::BAUD;
 use trirrr_app::LOG_BAUD;
 
-#[cfg(not(usb))]
-pub(crate) type LineReceiver = Rx<LinePort>;
-#[cfg(not(usb))]
-pub(crate) type LineTransmitter = Tx<LinePort>;
-pub(crate) type LogTransmitter = Tx<LogPort>;
+/// Transmitter of the log.
+pub(crate) struct LogTransmitter(LogPort);
 
 /// Starts the port of the log at its pin, where the line is USB.
 #[cfg(usb)]
@@ -30,14 +30,19 @@ pub(crate) fn start_log(
     clocks: &Clocks,
     rcc: &mut Rcc,
 ) -> LogTransmitter {
-    let Ok(log) = log
-        .0
-        .tx(log.1, Config::default().baudrate(LOG_BAUD.bps()), rcc)
-    else {
-        panic!("the slowest clock does not divide into the baud rate of the log");
-    };
+    LogPort::enable(rcc);
+    let _: <LogPort as SerialAsync>::Tx<PushPull> = log.1.into();
     set_log_baud(clocks, LOG_BAUD);
-    log
+    transmit(&log.0);
+    LogTransmitter(log.0)
+}
+
+/// Switches a port and its transmitter on.
+fn transmit(port: &usart1::RegisterBlock) {
+    port.cr1().write(|w| {
+        w.te().enabled();
+        w.ue().enabled()
+    });
 }
 
 /// Starts the ports of the line and of the log at their pins.
@@ -48,16 +53,43 @@ pub(crate) fn start(
     clocks: &Clocks,
     rcc: &mut Rcc,
 ) -> (LineTransmitter, LineReceiver, LogTransmitter) {
-    let settings = |baud: u32| Config::default().baudrate(baud.bps());
-    // At rest the line is high: without an adapter at the pin noise would be bytes, and each of them an interrupt above the tick.
-    let pins = (line.1, line.2.into_pull_up_input());
-    let line = Serial::new(line.0, pins, settings(BAUD), rcc);
-    let log = log.0.tx(log.1, settings(LOG_BAUD), rcc);
-    let (Ok(line), Ok(log)) = (line, log) else {
-        panic!("the slowest clock does not divide into the baud rates");
-    };
+    LinePort::enable(rcc);
+    LogPort::enable(rcc);
+    // At rest the line is high: without an adapter at the pin noise would be bytes.
+    let _: <LinePort as SerialAsync>::Rx<PushPull> = line.2.into_pull_up_input().into();
+    let _: <LinePort as SerialAsync>::Tx<PushPull> = line.1.into();
+    let _: <LogPort as SerialAsync>::Tx<PushPull> = log.1.into();
+    // The first byte finds the DMA waiting.
+    let data = line.0.dr().as_ptr() as u32;
+    let (transmitter, receiver) = line::start([data, data], rcc);
+    line.0.cr3().write(|w| {
+        w.dmar().enabled();
+        w.dmat().enabled()
+    });
     set_bauds(clocks, BAUD, LOG_BAUD);
-    let (line, mut receiver) = line.split();
-    receiver.listen();
-    (line, receiver, log)
+    transmit(&line.0);
+    transmit(&log.0);
+    line.0.cr1().modify(|_, w| w.re().enabled());
+    (transmitter, receiver, LogTransmitter(log.0))
+}
+
+impl ErrorType for LogTransmitter {
+    type Error = Infallible;
+}
+
+impl Write<u8> for LogTransmitter {
+    fn write(&mut self, byte: u8) -> nb::Result<(), Infallible> {
+        if self.0.sr().read().txe().bit_is_clear() {
+            return Err(nb::Error::WouldBlock);
+        }
+        self.0.dr().write(|w| w.dr().set(byte.into()));
+        Ok(())
+    }
+
+    fn flush(&mut self) -> nb::Result<(), Infallible> {
+        match self.0.sr().read().tc().bit_is_set() {
+            true => Ok(()),
+            false => Err(nb::Error::WouldBlock),
+        }
+    }
 }

@@ -20,12 +20,12 @@ const PACKETS: usize = 32;
 const NUMBER: *const [u32; 3] = 0x1fff_7a10 as *const [u32; 3];
 
 /// Memory of the line.
-pub(crate) struct LineMemory {
+pub(crate) struct PacketMemory {
     line: UsbMemory<UsbBus<OtgFs>>,
     packets: [u32; PACKETS],
 }
 
-impl LineMemory {
+impl PacketMemory {
     pub(crate) const fn new() -> Self {
         Self {
             line: UsbMemory::new(),
@@ -35,10 +35,10 @@ impl LineMemory {
 }
 
 /// The line in its interrupt.
-pub(crate) type LineReceiver = UsbLine<UsbBus<OtgFs>, Interrupt>;
+pub(crate) type PacketReceiver = UsbLine<UsbBus<OtgFs>, Interrupt>;
 
 /// Transmitter of the line.
-pub(crate) type LineTransmitter = UsbTransmitter<Interrupt>;
+pub(crate) type PacketTransmitter = UsbTransmitter<Interrupt>;
 
 /// The controller.
 pub(crate) struct OtgFs;
@@ -65,10 +65,10 @@ unsafe impl UsbPeripheral for OtgFs {
 
 /// Starts the controller at its pins.
 pub(crate) fn start(
-    memory: &'static mut LineMemory,
+    memory: &'static mut PacketMemory,
     pins: (UsbMinus, UsbPlus),
     clocks: &Clocks,
-) -> (LineReceiver, Consumer<'static, u8>, LineTransmitter) {
+) -> (PacketReceiver, Consumer<'static, u8>, PacketTransmitter) {
     if clocks.core != FAST.core {
         // The PLL makes the 48 MHz, too. So the board starts anew until the PLL does.
         panic!("USB has no clock");

@@ -13,13 +13,13 @@ use stm32_usbd::{MemoryAccess, UsbBus, UsbPeripheral};
 use trirrr_app::usb::{UsbLine, UsbMemory, UsbTransmitter};
 
 /// Memory of the line.
-pub(crate) type LineMemory = UsbMemory<UsbBus<UsbDevice>>;
+pub(crate) type PacketMemory = UsbMemory<UsbBus<UsbDevice>>;
 
 /// The line in its interrupt.
-pub(crate) type LineReceiver = UsbLine<UsbBus<UsbDevice>, Interrupt>;
+pub(crate) type PacketReceiver = UsbLine<UsbBus<UsbDevice>, Interrupt>;
 
 /// Transmitter of the line.
-pub(crate) type LineTransmitter = UsbTransmitter<Interrupt>;
+pub(crate) type PacketTransmitter = UsbTransmitter<Interrupt>;
 
 /// The controller.
 pub(crate) struct UsbDevice;
@@ -46,10 +46,10 @@ unsafe impl UsbPeripheral for UsbDevice {
 
 /// Starts the controller. Its pins are connected as it is switched on.
 pub(crate) fn start(
-    memory: &'static mut LineMemory,
+    memory: &'static mut PacketMemory,
     _: (UsbMinus, UsbPlus),
     _: &Clocks,
-) -> (LineReceiver, Consumer<'static, u8>, LineTransmitter) {
+) -> (PacketReceiver, Consumer<'static, u8>, PacketTransmitter) {
     // An oscillator for USB alone, which follows the frames of the host: no crystal is needed.
     RCC.crrcr().modify(|w| w.set_hsi48on(true));
     if !becomes(|| RCC.crrcr().read().hsi48rdy()) {

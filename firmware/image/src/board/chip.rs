@@ -71,6 +71,27 @@ pub(super) struct SerialPort {
     pub(super) name: &'static str,
     pub(super) transmit: &'static [&'static str],
     pub(super) receive: &'static [&'static str],
+    /// None where the firmware moves the bytes itself.
+    pub(super) dma: Option<SerialDma>,
+}
+
+/// Ways of a serial port's bytes by DMA: of the receiver, then of the transmitter.
+pub(super) struct SerialDma {
+    pub(super) controller: u8,
+    /// Streams, or channels, of the controller, by their numbers in the manual.
+    pub(super) streams: [u8; 2],
+    /// Requests that the streams obey.
+    pub(super) requests: [u8; 2],
+}
+
+impl SerialDma {
+    const fn of(controller: u8, streams: [u8; 2], requests: [u8; 2]) -> Option<Self> {
+        Some(Self {
+            controller,
+            streams,
+            requests,
+        })
+    }
 }
 
 /// USB controller of a chip, as a device at full speed.
@@ -195,6 +216,10 @@ mod tests {
             for port in chip.serial_ports {
                 assert!(!chip.usable(port.transmit).is_empty(), "{}", port.name);
                 assert!(!chip.usable(port.receive).is_empty(), "{}", port.name);
+                // Both directions at a time.
+                let is_apart = |dma: &SerialDma| dma.streams[0] != dma.streams[1];
+                let has_own = chip.family != Family::Rp2040;
+                assert_eq!(port.dma.as_ref().map(is_apart), has_own.then_some(true));
             }
         }
     }

@@ -365,7 +365,12 @@ fn read_pins(
         1 => vec![(section.place_of(entry.key), section.text(entry.key)?)],
         count => {
             let texts = section.texts(entry.key)?;
-            if texts.len() != count {
+            if entry.is_list && !(1..=count).contains(&texts.len()) {
+                let reason = format!("must be 1 to {count} pins, found {}", texts.len());
+                section.refuse(entry.key, reason);
+                return None;
+            }
+            if !entry.is_list && texts.len() != count {
                 let reason = format!(
                     "must be {count} pins, of motor 1, 2 and 3, found {}",
                     texts.len()
@@ -473,6 +478,17 @@ fn refuse_missing(
     for (role, what) in needs.roles() {
         let entry = role.entry();
         let there = tables.get(entry.table);
+        let wanted = needs.listed(role);
+        if let (Some(found), Some(table)) = (pins.get(&role), there)
+            && found.len() < wanted
+        {
+            let found = found.len();
+            let reason = format!(
+                "has {found} pins, and {} names {wanted} [[io.{}]]: add free pins, or name fewer",
+                needs.scene, entry.key
+            );
+            table.refuse(entry.key, reason);
+        }
         // One that is there and refused has its own message.
         if pins.contains_key(&role) || there.is_some_and(|table| table.has(entry.key)) {
             continue;

@@ -26,6 +26,8 @@ pub struct Needs {
     pub brake: bool,
     /// Status lamp.
     pub lamp: bool,
+    /// Number of spare outputs, and of spare inputs.
+    pub spare: [usize; 2],
     /// Emergency stop.
     pub stop: bool,
     /// Door.
@@ -67,6 +69,10 @@ impl Needs {
             homing: scene.homing.is_some(),
             brake: scene.power.has_brake,
             lamp: scene.has_lamp,
+            spare: [
+                scene.spare_pins.outputs.len(),
+                scene.spare_pins.inputs.len(),
+            ],
             stop: scene.inputs.interlocks.emergency_stop.is_some(),
             door: scene.inputs.interlocks.door.is_some(),
             probe: scene.inputs.interlocks.probe.is_some(),
@@ -89,6 +95,12 @@ impl Needs {
             if is_so {
                 metadata.push((name, "yes".into()));
             }
+        }
+        if self.has_spare() {
+            let [outputs, inputs] = self.spare.map(|count| count.to_string());
+            metadata.push(("digital", "yes".into()));
+            metadata.push(("spare_outputs", outputs));
+            metadata.push(("spare_inputs", inputs));
         }
         if let Some((slots_hz, tick_rate_hz)) = self.slots {
             metadata.push(("slots_hz", slots_hz.to_string()));
@@ -126,6 +138,10 @@ impl Needs {
             true => Some((number("slots_hz")? as u32, number("tick_rate_hz")?)),
             false => None,
         };
+        let spare = match has("digital") {
+            true => [number("spare_outputs")?, number("spare_inputs")?].map(|count| count as usize),
+            false => [0; 2],
+        };
         Ok(Self {
             scene: demand("scene")?,
             board: value("board"),
@@ -135,6 +151,7 @@ impl Needs {
             homing: has("homing"),
             brake: has("brake"),
             lamp: has("lamp"),
+            spare,
             stop: has("estop"),
             door: has("door"),
             probe: has("probe"),
@@ -143,6 +160,21 @@ impl Needs {
             slots,
             usb_line: false,
         })
+    }
+
+    /// Returns true if the scene names a spare output or input.
+    pub(super) fn has_spare(&self) -> bool {
+        self.spare != [0; 2]
+    }
+
+    /// Pins that the scene needs of a role whose pins are a list; 0 of any other role.
+    pub(super) fn listed(&self, role: Role) -> usize {
+        let [outputs, inputs] = self.spare;
+        match role {
+            Role::Outputs => outputs,
+            Role::Inputs => inputs,
+            _ => 0,
+        }
     }
 
     /// Returns true if the scene has an output to a tool.
@@ -184,6 +216,12 @@ impl Needs {
             (self.homing, Role::Homing, "homing"),
             (self.brake, Role::Brake, "a brake"),
             (self.lamp, Role::Lamp, "a status lamp"),
+            (
+                self.listed(Role::Outputs) > 0,
+                Role::Outputs,
+                "spare outputs",
+            ),
+            (self.listed(Role::Inputs) > 0, Role::Inputs, "spare inputs"),
         ];
         let drives = drives.iter().map(|role| (*role, what));
         let others = others.into_iter().filter(|(is_needed, ..)| *is_needed);
@@ -212,6 +250,7 @@ mod tests {
             "engraving.toml",
             "inputs/guarded.toml",
             "inputs/probing.toml",
+            "inputs/valves.toml",
             "pick-home.toml",
         ] {
             let mut needs = of(scene);
@@ -238,5 +277,10 @@ mod tests {
         let roles = of("inputs/probing.toml").roles();
         assert!(roles.contains_key(&Role::Probe) && roles.contains_key(&Role::Limits));
         assert!(roles.contains_key(&Role::Lamp) && !engraving.roles().contains_key(&Role::Lamp));
+        assert!(!roles.contains_key(&Role::Outputs) && !roles.contains_key(&Role::Inputs));
+        let valves = of("inputs/valves.toml");
+        assert_eq!(valves.spare, [2, 1]);
+        let roles = valves.roles();
+        assert!(roles.contains_key(&Role::Outputs) && roles.contains_key(&Role::Inputs));
     }
 }

@@ -1,5 +1,7 @@
 //! Functions of pins: their places in a board file and their rows in a table.
 
+use trirrr_protocol::message::DIGITAL;
+
 /// Function that a board file gives pins to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Role {
@@ -47,6 +49,10 @@ pub enum Role {
     Brake,
     /// Status lamp.
     Lamp,
+    /// Spare outputs.
+    Outputs,
+    /// Spare inputs.
+    Inputs,
 }
 
 /// Place and description of a role.
@@ -55,8 +61,10 @@ pub(super) struct RoleEntry {
     /// Table and key in a board file.
     pub(super) table: &'static str,
     pub(super) key: &'static str,
-    /// Number of pins: one, or one for each motor.
+    /// Number of pins: one, or one for each motor; the most of a [list](Self::is_list).
     pub(super) count: usize,
+    /// The board has any number of such pins.
+    pub(super) is_list: bool,
     /// Text of a documentation table: function, and the other end of the wire.
     pub(super) function: &'static str,
     pub(super) other_end: &'static str,
@@ -73,6 +81,7 @@ impl RoleEntry {
             table,
             key,
             count,
+            is_list: false,
             function: "",
             other_end: "",
             is_output: false,
@@ -95,6 +104,13 @@ impl RoleEntry {
         }
     }
 
+    const fn list(self) -> Self {
+        Self {
+            is_list: true,
+            ..self
+        }
+    }
+
     const fn fixed_level(self) -> Self {
         Self {
             inverts: false,
@@ -104,7 +120,7 @@ impl RoleEntry {
 }
 
 /// All roles, in the order of a board file.
-pub(super) const ROLES: [RoleEntry; 22] = [
+pub(super) const ROLES: [RoleEntry; 24] = [
     RoleEntry::new(Role::LineTransmit, ("line", "transmit"), 1)
         .text("the line, transmitter", "RX of the host's adapter")
         .output()
@@ -194,6 +210,19 @@ pub(super) const ROLES: [RoleEntry; 22] = [
             "LED, or driver of a lamp",
         )
         .output(),
+    RoleEntry::new(Role::Outputs, ("io", "outputs"), DIGITAL)
+        .text(
+            "[spare outputs](#spare-outputs-and-inputs), high while on",
+            "driver of a valve, a relay, a lamp",
+        )
+        .output()
+        .list(),
+    RoleEntry::new(Role::Inputs, ("io", "inputs"), DIGITAL)
+        .text(
+            "[spare inputs](#spare-outputs-and-inputs), pulled up",
+            "contact to ground",
+        )
+        .list(),
 ];
 
 impl Role {

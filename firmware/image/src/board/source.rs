@@ -17,7 +17,7 @@ pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
 }
 
 /// Fields of the struct `Pins` for a role, one for each of its pins.
-const FIELDS: [(Role, &[&str]); 22] = [
+const FIELDS: [(Role, &[&str]); 24] = [
     (Role::LineTransmit, &["line_transmit"]),
     (Role::LineReceive, &["line_receive"]),
     (Role::LogTransmit, &["log_transmit"]),
@@ -52,6 +52,19 @@ const FIELDS: [(Role, &[&str]); 22] = [
     (Role::Homing, &["homing_1", "homing_2", "homing_3"]),
     (Role::Brake, &["brake"]),
     (Role::Lamp, &["lamp"]),
+    (
+        Role::Outputs,
+        &[
+            "output_1", "output_2", "output_3", "output_4", "output_5", "output_6", "output_7",
+            "output_8",
+        ],
+    ),
+    (
+        Role::Inputs,
+        &[
+            "input_1", "input_2", "input_3", "input_4", "input_5", "input_6", "input_7", "input_8",
+        ],
+    ),
 ];
 
 /// Field of a struct: no pin where the scene has no use for it, and a type of the firmware asks for one.
@@ -82,7 +95,14 @@ fn fields<'b>(board: &'b BoardFile, needs: &Needs) -> Vec<PinField<'b>> {
     });
     let mut fields: Vec<_> = of_usb.collect();
     for (role, names) in FIELDS {
-        let pins: Vec<Option<&WiredPin>> = if is_always(role) || needed.contains_key(&role) {
+        let pins: Vec<Option<&WiredPin>> = if role.entry().is_list {
+            // All are one type of the firmware: where the scene names fewer, the rest is none.
+            let named = board.pins(role).into_iter().flatten().map(Some);
+            let named = named.take(needs.listed(role));
+            let rest = std::iter::repeat(None);
+            let all = if needs.has_spare() { names.len() } else { 0 };
+            named.chain(rest).take(all).collect()
+        } else if is_always(role) || needed.contains_key(&role) {
             board.pins(role).into_iter().flatten().map(Some).collect()
         } else if is_beside(role) {
             vec![None; names.len()]
@@ -241,9 +261,10 @@ mod tests {
     fn a_board_of_its_own_crystal_and_ports_has_them() {
         let text = of("feather-f405", |text| text, &steppers());
         for part in [
-            "pub(crate) type LinePort = stm32f4xx_hal::pac::USART3;",
-            "line_interrupt!(USART3, OTG_FS);",
-            "pub(crate) type LogPort = stm32f4xx_hal::pac::USART1;",
+            "pub(crate) type LinePort = USART3;",
+            "line_interrupt!(DMA1_STREAM1, OTG_FS);",
+            "pub(crate) const LINE_TRANSMIT_STREAM: usize = 3;",
+            "pub(crate) type LogPort = USART1;",
             "divider: 12, factor: 336",
             "step_1: c.pc2,",
         ] {
@@ -260,7 +281,8 @@ mod tests {
         let text = of("nucleo-g474re", |text| text, &needs);
         for part in [
             "divider: 6, factor: 85",
-            "line_interrupt!(USART2, USB_LP);",
+            "line_interrupt!(DMA1_CHANNEL1, USB_LP);",
+            "pub(crate) const LINE_TRANSMIT_REQUEST: u8 = 27;",
             "pub(crate) type CanReceive = Pin<'A', 11>;",
             "can_transmit: Pin::of_its_port(),",
             "ports.switch_on('A', rcc);",
@@ -269,6 +291,37 @@ mod tests {
             assert!(text.contains(part), "{part}: {text}");
         }
         assert!(!text.contains("switch_on('C'"), "{text}");
+    }
+
+    #[test]
+    fn a_line_over_usb_has_its_interrupt_and_no_port() {
+        let needs = Needs {
+            usb_line: true,
+            ..nothing()
+        };
+        let parse = |name: &str, family| {
+            let board = BoardFile::parse(&shipped(name), name, Some((family, &needs)));
+            source(&board.unwrap_or_else(|error| panic!("{error}")), &needs)
+        };
+        let pico = parse("pico", Family::Rp2040);
+        let f405 = parse("generic-f405", Family::Stm32f405);
+        assert!(
+            pico.contains("line_interrupt!(UART1_IRQ, USBCTRL_IRQ);"),
+            "{pico}"
+        );
+        for part in [
+            "line_interrupt!(USART3, OTG_FS);",
+            "pub(crate) type UsbMinus = Pin<'A', 11>;",
+            "usb_plus: a.pa12,",
+        ] {
+            assert!(f405.contains(part), "{part}: {f405}");
+        }
+        for text in [pico, f405] {
+            assert!(
+                !text.contains("LinePort") && !text.contains("line:"),
+                "{text}"
+            );
+        }
     }
 
     #[test]

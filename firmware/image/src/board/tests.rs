@@ -104,6 +104,52 @@ fn a_pin_that_cannot_do_its_work_is_refused_with_those_that_can() {
 }
 
 #[test]
+fn spare_pins_are_lists_with_as_many_as_the_scene_names() {
+    let spare = |outputs, inputs| Needs {
+        spare: [outputs, inputs],
+        ..needs("none")
+    };
+    let outputs = "outputs = [\"PA10\", \"PA11\", \"PA12\", \"PD2\"]";
+    assert!(changed(outputs, outputs, &spare(4, 2)).is_ok());
+    let text = refusal(changed(outputs, outputs, &spare(5, 1)));
+    let said =
+        "has 4 pins, and scenes/own.toml names 5 [[io.outputs]]: add free pins, or name fewer";
+    assert!(text.contains(said), "{text}");
+    let text = refusal(changed(outputs, "outputs = []", &spare(1, 1)));
+    assert!(
+        text.contains("io.outputs = []: must be 1 to 8 pins, found 0"),
+        "{text}"
+    );
+    let text = refusal(changed(outputs, "", &spare(1, 0)));
+    let said = "io.outputs: missing: scenes/own.toml has spare outputs, and this board names no pin for it";
+    assert!(text.contains(said), "{text}");
+    let text = refusal(changed(
+        "\"PA11\", \"PA12\"",
+        "\"PA10\", \"PA12\"",
+        &spare(1, 1),
+    ));
+    assert!(text.contains("PA10 is that of io.outputs[1]"), "{text}");
+    // An image takes the first ones.
+    let board = changed(
+        outputs,
+        outputs.replace("\"PA10\"", "\"!PA10\"").as_str(),
+        &spare(1, 2),
+    );
+    let text = source::source(
+        &board.unwrap_or_else(|error| panic!("{error}")),
+        &spare(1, 2),
+    );
+    for part in [
+        "pub(crate) type Output1 = Inverted<Pin<'A', 10>>;",
+        "pub(crate) type Output2 = NoPin;",
+        "pub(crate) type Input2 = Pin<'B', 11>;",
+        "pub(crate) type Input3 = NoPin;",
+    ] {
+        assert!(text.contains(part), "{part}: {text}");
+    }
+}
+
+#[test]
 fn a_pin_has_one_function_in_an_image() {
     let text = refusal(changed(
         "release = \"PB0\"",
@@ -326,6 +372,96 @@ fn what_names_a_board_is_looked_for_in_order() {
         said.starts_with("scenes/own.toml: board = \"own/board.toml\": "),
         "{said}"
     );
+}
+
+/// The shipped board `name` for an image whose line is USB by the build.
+fn over_usb(name: &str, change: (&str, &str), mut needs: Needs) -> Result<BoardFile, SceneError> {
+    let text = shipped(name);
+    let (from, to) = change;
+    assert!(text.contains(from), "{from}");
+    let chip = ["f405", "g474", "pico"].map(|part| name.contains(part));
+    let family = match chip {
+        [true, ..] => Family::Stm32f405,
+        [_, true, _] => Family::Stm32g474,
+        _ => Family::Rp2040,
+    };
+    needs.usb_line = true;
+    BoardFile::parse(&text.replacen(from, to, 1), name, Some((family, &needs)))
+}
+
+#[test]
+fn a_line_over_usb_leaves_the_pins_of_a_port_to_other_functions() {
+    let same = ("[line]", "[line]");
+    for name in ["generic-f405", "feather-f405", "nucleo-g474re", "pico"] {
+        let board = over_usb(name, same, needs("none")).unwrap_or_else(|error| panic!("{error}"));
+        assert!(board.has_usb_line() && board.pins(Role::LineTransmit).is_none());
+        let pins: Vec<&str> = board.usb.iter().map(|(_, pin)| pin.name.as_str()).collect();
+        let at: &[&str] = if name == "pico" {
+            &[]
+        } else {
+            &["PA11", "PA12"]
+        };
+        assert_eq!(pins, at, "{name}");
+    }
+    // That of the line.
+    let brake = ("release = \"GP17\"", "release = \"GP0\"");
+    assert!(over_usb("pico", brake, needs("none")).is_ok());
+    // By the file, in every image.
+    let port = "port = \"uart0\"\n";
+    let by_file = shipped("pico").replace(port, "port = \"usb\"\n");
+    let text = refusal(BoardFile::parse(&by_file, "own.toml", None));
+    assert!(
+        text.contains(
+            "line.transmit = \"GP0\": must be left out: USB has pins of its own on rp2040"
+        ),
+        "{text}"
+    );
+    let pins = "transmit = \"GP0\"\nreceive = \"GP1\"\n";
+    let board = BoardFile::parse(&by_file.replace(pins, ""), "own.toml", None);
+    assert!(board.is_ok_and(|board| board.has_usb_line()));
+}
+
+#[test]
+fn a_pin_of_usb_has_no_other_function_in_the_image() {
+    let same = ("[line]", "[line]");
+    let text = refusal(over_usb("nucleo-g474re", same, needs("moteus")));
+    assert!(
+        text.contains("can.receive = \"PA11\": PA11 is that of USB, and the line is USB"),
+        "{text}"
+    );
+    let taken = ("PA11 = \"USB D-\"", "PA11 = \"a button\"");
+    let text = refusal(over_usb("feather-f405", taken, needs("none")));
+    assert!(
+        text.contains("PA11 is that of USB, and the line is USB: it is taken by a button"),
+        "{text}"
+    );
+}
+
+#[test]
+fn a_driver_of_steppers_has_less_time_where_usb_masks_the_slots() {
+    let of = |slots_hz| Needs {
+        slots: Some((slots_hz, 500.0)),
+        ..needs("stepper")
+    };
+    let same = ("[line]", "[line]");
+    assert!(over_usb("nucleo-g474re", same, of(41_000)).is_ok());
+    let text = refusal(over_usb("nucleo-g474re", same, of(81_000)));
+    assert!(
+        text.contains("stepper.pulse_us = 2: the steppers of scenes/own.toml have 0.00 us for it")
+            && text.contains("less 17.18 us that an edge may be late; step_rate_limit_hz of"),
+        "{text}"
+    );
+    assert!(over_usb("generic-f405", same, of(81_000)).is_err());
+    // Critical sections let the slots pass.
+    assert!(over_usb("pico", same, of(81_000)).is_ok());
+}
+
+#[test]
+fn the_line_of_a_build_is_usb_or_that_of_the_board() {
+    assert_eq!(asks_for_usb(None), Ok(false));
+    assert_eq!(asks_for_usb(Some("usb")), Ok(true));
+    let error = asks_for_usb(Some("uart")).expect_err("not refused");
+    assert!(error.starts_with("LINE=uart: must be usb"), "{error}");
 }
 
 /// The shipped boards and their tables in `docs/board.md`. `TRIRRR_BLESS=1 cargo test -p trirrr-image --features generate board` writes them.

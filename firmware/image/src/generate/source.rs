@@ -2,7 +2,7 @@
 
 use super::constant::constant;
 use super::kinds::Machine;
-use super::{COARSE, FIXED};
+use super::{COARSE, FIXED, over_line};
 use nalgebra::Vector3;
 use std::error::Error;
 use std::fmt::Write;
@@ -14,7 +14,8 @@ use trirrr_protocol::message::scene::{Section, SectionName};
 use trirrr_protocol::wire::schema::longest;
 use trirrr_scene::{NormalContact, RangeError, Scene, offer, units_of_scene};
 use trirrr_service::{
-    ContactCoefficients, FeedbackCoefficients, HomingCoefficients, ServiceNumber, Settings,
+    ContactCoefficients, FeedbackCoefficients, HomingCoefficients, SceneValues, ServiceNumber,
+    Settings, key,
 };
 
 /// The whole file, for the Rust type `scalar`, in the units that it needs. Every number is written
@@ -93,6 +94,15 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     );
     file.constant("PARTS", &format!("{service}::Parts"), parts(scene)?);
 
+    if scene.service.scene_over_line {
+        let types = over_line::types(scene, scalar)?;
+        // Scenes that an image of another scene or other types has taken are none of this one.
+        let owner = format!("{types:?} {} {}", scene.key, SceneValues::LAYOUT);
+        file.constant("SCENE_OWNER", "u32", key(owner.as_bytes()).to_string());
+        let types_type = "trirrr_protocol::message::SceneTypes";
+        file.constant("TYPES", types_type, constant(&types));
+    }
+
     if let Some(homing) = &scene.homing {
         let parameters = homing.parameters(scene, &units)?;
         let coefficients = HomingCoefficients::<N>::build(&parameters, period);
@@ -134,6 +144,14 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
             let is_high = normally == NormalContact::Closed;
             file.constant(name, "bool", is_high.to_string());
         }
+    }
+
+    if scene.spare_pins.are_named() {
+        let parameters = scene.spare_pins.parameters();
+        let digital = format!("{service}::DigitalParameters");
+        file.constant("DIGITAL", &digital, constant(&parameters));
+        let active_high = scene.spare_pins.active_high();
+        file.constant("INPUTS_ACTIVE_HIGH", "u8", active_high.to_string());
     }
 
     if let Some(feedback) = &scene.feedback {
@@ -361,6 +379,18 @@ mod tests {
             assert!(text.contains(line), "{line}");
         }
         assert!(!shipped("engraving.toml").contains("INTERLOCKS"));
+    }
+
+    #[test]
+    fn a_scene_with_spare_pins_has_their_settings_and_no_other_has() {
+        let text = shipped("inputs/valves.toml");
+        for line in [
+            "trirrr_service::DigitalParameters { outputs: 2, in_jobs: 1, inputs: 1, debounce_ticks: [10, 1, 1, 1, 1, 1, 1, 1], }",
+            "pub const INPUTS_ACTIVE_HIGH: u8 = 0;",
+        ] {
+            assert!(text.contains(line), "{line}\n{text}");
+        }
+        assert!(!shipped("inputs/probing.toml").contains("DIGITAL"));
     }
 
     #[test]

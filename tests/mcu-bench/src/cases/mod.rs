@@ -3,7 +3,9 @@
 mod amplifiers;
 mod can;
 mod failures;
+mod install;
 mod job;
+mod line;
 mod power_up;
 mod update;
 
@@ -55,6 +57,10 @@ pub(crate) enum Needs {
     Bus,
     /// None: the image is replaced over the line.
     Update,
+    /// No drives at all.
+    NoDrives,
+    /// None: the image takes scenes over the line.
+    SceneOverLine,
 }
 
 /// Case of the bench.
@@ -71,7 +77,7 @@ impl Case {
 }
 
 /// All cases.
-pub(crate) const CASES: [Case; 20] = [
+pub(crate) const CASES: [Case; 23] = [
     Case::of("power-up", Needs::Any, power_up::rest),
     Case::of("crystal", Needs::Any, power_up::crystal),
     Case::of("job", Needs::Steppers, job::run),
@@ -92,6 +98,9 @@ pub(crate) const CASES: [Case; 20] = [
     Case::of("drive", Needs::Bus, can::drive),
     Case::of("stop", Needs::Steppers, failures::stop),
     Case::of("update", Needs::Update, update::run),
+    Case::of("line", Needs::NoDrives, line::damaged),
+    Case::of("late", Needs::NoDrives, line::late),
+    Case::of("install", Needs::SceneOverLine, install::run),
 ];
 
 impl Subject {
@@ -120,12 +129,17 @@ impl Subject {
 
     /// Returns a host of a board that has started.
     fn host(&self, board: &mut Board) -> Result<Host> {
+        self.host_of(board, &self.scene)
+    }
+
+    /// Returns a host of a board that has started, with the job of `scene`.
+    fn host_of(&self, board: &mut Board, scene: &Scene) -> Result<Host> {
         let ticks = board.handled.len();
         let end = board.now() + SECOND;
         while board.handled.len() == ticks && board.now() < end {
             board.run(board.now() + MS)?;
         }
-        Host::new(&self.scene)
+        Host::new(scene)
     }
 
     /// Returns true if the scene has the drives that a case looks at.
@@ -134,9 +148,11 @@ impl Subject {
         match needs {
             Needs::Any => true,
             Needs::Update => self.update.is_some(),
+            Needs::SceneOverLine => self.update.is_some() && self.scene.service.scene_over_line,
             Needs::Steppers => matches!(kind, Some(DriveKind::Stepper(_))),
             Needs::Protection => self.has(Needs::Steppers) && self.kind == Kind::Stm32f405,
             Needs::Amplifiers => matches!(kind, Some(DriveKind::Bldc(_))),
+            Needs::NoDrives => kind.is_none(),
             // The loops of simulated drives take the gains of the scene.
             Needs::Bus => {
                 matches!(kind, Some(DriveKind::Can(_))) && self.scene.controller.is_some()

@@ -21,26 +21,30 @@ const SLOT: usize = 256 * 1024;
 /// Longest time of an update: four erasures of 2 s to install it, four to go back, with the words between.
 const LONGEST: Time = 60 * SECOND;
 
-type Ended = Result<(), UpdateFailure<f32>>;
+pub(super) type Ended = Result<(), UpdateFailure<f32>>;
 
-/// Host that replaces the program.
-struct Updater {
-    client: UpdateClient<f32>,
+/// Host that replaces the program, or the scene.
+pub(super) struct Updater {
+    pub(super) client: UpdateClient<f32>,
     line: HostLine,
     ended: Option<Ended>,
 }
 
 impl Updater {
     fn new(image: ProgramImage) -> Self {
+        Self::of(UpdateClient::new(image, Patience::default(), 7))
+    }
+
+    pub(super) fn of(client: UpdateClient<f32>) -> Self {
         Self {
-            client: UpdateClient::new(image, Patience::default(), 7),
+            client,
             line: HostLine::default(),
             ended: None,
         }
     }
 
     /// Lets both run until the end, or until `until` says so.
-    fn run(&mut self, board: &mut Board, until: impl Fn(&Self) -> bool) -> Result<()> {
+    pub(super) fn run(&mut self, board: &mut Board, until: impl Fn(&Self) -> bool) -> Result<()> {
         let end = board.now() + LONGEST;
         while self.ended.is_none() && !until(self) {
             ensure!(board.now() < end, "no end within {} s", seconds(LONGEST));
@@ -70,13 +74,13 @@ impl Updater {
         Ok(())
     }
 
-    fn to_end(&mut self, board: &mut Board) -> Result<Ended> {
+    pub(super) fn to_end(&mut self, board: &mut Board) -> Result<Ended> {
         self.run(board, |_| false)?;
         self.ended.context("the update has no end")
     }
 
     /// Name of the scene that answered last.
-    fn scene(&self) -> String {
+    pub(super) fn scene(&self) -> String {
         let identity = self.client.identity();
         identity.map_or("none".into(), |identity| {
             describe::board::name(&identity.name)
@@ -100,7 +104,7 @@ fn image(content: &[u8]) -> Result<ProgramImage> {
     ProgramImage::new(PROGRAM, content.to_vec()).context("the image has no label")
 }
 
-fn described(ended: Ended) -> String {
+pub(super) fn described(ended: Ended) -> String {
     format!("{ended:?}")
 }
 
@@ -205,7 +209,8 @@ fn goes_back(
     what: &str,
     fail: impl Fn(&mut Board) -> Result<()>,
 ) -> Result<[Row; 2]> {
-    let mut board = subject.switch_on_with(&subject.image, subject.kind.crystal(), OSCILLATOR_HZ[0])?;
+    let mut board =
+        subject.switch_on_with(&subject.image, subject.kind.crystal(), OSCILLATOR_HZ[0])?;
     board.run(100 * MS)?;
     let mut host = Updater::new(image(other)?);
     host.run(&mut board, |host| host.client.is_restarting())?;

@@ -63,6 +63,12 @@ pub(super) fn place(address: u32) -> Option<Place> {
             return Some(Place::OtherSerial(index, offset));
         }
     }
+    // DMA1, and the multiplexer behind both controllers.
+    if let Some(offset) =
+        within(0x4002_0000, 0x400).or(within(0x4002_0800, 0x100).map(|at| at + 0x800))
+    {
+        return Some(Place::Channel(offset));
+    }
     if let Some(offset) = within(0x4000_6400, 0x400) {
         return Some(Place::Can(offset));
     }
@@ -146,6 +152,7 @@ pub(super) fn read_serial(serial: &mut Serial, offset: u32, now: Time, bus: Time
             let control = serial.read(0x0C, now, bus)?;
             Some(control & !(1 << ON.1) | (control >> ON.1 & 1) << ON.0)
         }
+        0x08 => serial.read(0x14, now, bus),
         0x0C => serial.read(0x08, now, bus),
         0x1C => serial.read(0x00, now, bus),
         0x24 => serial.read(0x04, now, bus),
@@ -166,6 +173,7 @@ pub(super) fn write_serial(
             let control = value & !(1 << ON.0) | (value >> ON.0 & 1) << ON.1;
             serial.write(0x0C, control, now, bus)
         }
+        0x08 => serial.write(0x14, value, now, bus),
         0x0C => serial.write(0x08, value, now, bus),
         // The overrun goes with the byte that is read next.
         0x20 => true,

@@ -46,6 +46,8 @@ pub(super) enum Place {
     MessageRam(u32),
     OtherClock(u32),
     OtherSerial(usize, u32),
+    Stream(u32),
+    Channel(u32),
     Supply(u32),
     Lines(u32),
     Flash(u32),
@@ -90,6 +92,9 @@ pub(super) fn place(kind: Kind, address: u32) -> Place {
         if let Some(offset) = within(*start, 0x400) {
             return Place::Serial(index, offset);
         }
+    }
+    if let Some(offset) = within(0x4002_6000, 0x800) {
+        return Place::Stream(offset);
     }
     let others: [(u32, fn(u32) -> Place); 4] = [
         (0x4000_6400, Place::Can),

@@ -6,10 +6,12 @@
 mod can;
 mod capture;
 mod clock;
+mod dma;
 mod flash;
 mod g474;
 mod interrupts;
 mod map;
+mod memory;
 mod pins;
 mod port;
 mod registers;
@@ -22,6 +24,7 @@ pub(crate) use clock::{ClockControl, Clocks, Crystal, ResetCause};
 pub(crate) use flash::FlashControl;
 pub(crate) use interrupts::{HARD_FAULT, Interrupts, NMI, SYS_TICK};
 pub(crate) use map::TIM7;
+pub(crate) use memory::{RAM, RAM_BYTES};
 pub(crate) use port::{Mode, Port};
 pub(crate) use serial::Serial;
 
@@ -32,6 +35,7 @@ use crate::trace::{Level, Pin, Trace};
 use crate::wiring;
 use can::{BxCan, CanController, FdCan};
 use capture::CrystalCapture;
+use dma::Dma;
 use map::{SERIALS, TIMERS};
 use std::collections::{BTreeMap, BTreeSet};
 use supply::Supply;
@@ -88,6 +92,7 @@ pub(crate) struct Chip {
     ports: [Port; 5],
     timers: Vec<Timer>,
     serials: [Serial; 2],
+    pub(crate) dma: Dma,
     pub(crate) watchdog: Watchdog,
     capture: CrystalCapture,
     /// Machine behind amplifiers and encoders, with the level at which they are on.
@@ -126,6 +131,7 @@ impl Chip {
             ports: PORTS.map(port),
             timers: TIMERS.iter().map(|timer| Timer::new(timer.4)).collect(),
             serials: [Serial::default(), Serial::default()],
+            dma: Dma::new(kind),
             watchdog: Watchdog::new(oscillator_hz),
             capture: CrystalCapture::default(),
             rotors: None,
@@ -157,6 +163,7 @@ impl Chip {
         for serial in &mut self.serials {
             serial.reset();
         }
+        self.dma.reset();
         self.watchdog.reset();
         self.capture = CrystalCapture::default();
         self.can = self.kind.controller();
@@ -237,11 +244,16 @@ impl Chip {
         for index in 0..self.timers.len() {
             self.advance_timer(index);
         }
-        for serial in &mut self.serials {
-            serial.advance(self.now, self.clocks.apb1);
-        }
+        self.advance_serials();
         self.advance_can();
         self.set_lines();
+    }
+
+    fn advance_serials(&mut self) {
+        for (index, serial) in self.serials.iter_mut().enumerate() {
+            serial.serve(self.now, self.clocks.apb1, &mut self.dma.path(index));
+        }
+        self.unknown.extend(self.dma.faults.drain(..));
     }
 
     fn advance_can(&mut self) {
@@ -285,6 +297,7 @@ impl Chip {
         for (serial, (_, interrupt)) in self.serials.iter().zip(SERIALS) {
             self.interrupts.set_line(interrupt, serial.interrupts());
         }
+        self.dma.set_lines(&mut self.interrupts);
     }
 
     /// Returns the time of the next event that the processor has to see.

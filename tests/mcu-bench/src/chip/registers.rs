@@ -40,6 +40,7 @@ impl Chip {
                 self.timers[index].read(offset, now)
             }
             Place::Serial(index, offset) => {
+                self.advance_serials();
                 let read = self.serials[index].read(offset, now, apb1);
                 self.set_lines();
                 read
@@ -59,9 +60,18 @@ impl Chip {
             Place::MessageRam(offset) => self.can.read_ram(offset),
             Place::OtherClock(offset) => g474::read_clock(&self.clock, &self.held, offset, now),
             Place::OtherSerial(index, offset) => {
+                self.advance_serials();
                 let read = g474::read_serial(&mut self.serials[index], offset, now, apb1);
                 self.set_lines();
                 read
+            }
+            Place::Stream(offset) => {
+                self.advance_serials();
+                self.dma.read_stream(offset)
+            }
+            Place::Channel(offset) => {
+                self.advance_serials();
+                self.dma.read_channel(offset)
             }
             Place::Supply(offset) => self.supply.read(offset),
             Place::Lines(offset) => self.supply.read_line(offset),
@@ -115,7 +125,10 @@ impl Chip {
                 self.show_channels(TIMERS[index].0);
                 known
             }
-            Place::Serial(index, offset) => self.serials[index].write(offset, value, now, apb1),
+            Place::Serial(index, offset) => {
+                self.advance_serials();
+                self.serials[index].write(offset, value, now, apb1)
+            }
             Place::Watchdog(offset) => self.watchdog.write(offset, value, now),
             Place::Capture(offset) => self.capture.write(offset, value, now),
             Place::Can(offset) => {
@@ -133,7 +146,16 @@ impl Chip {
                 known
             }
             Place::OtherSerial(index, offset) => {
+                self.advance_serials();
                 g474::write_serial(&mut self.serials[index], offset, value, now, apb1)
+            }
+            Place::Stream(offset) => {
+                self.advance_serials();
+                self.dma.write_stream(offset, value)
+            }
+            Place::Channel(offset) => {
+                self.advance_serials();
+                self.dma.write_channel(offset, value)
             }
             Place::Supply(offset) => self.supply.write(offset, value),
             Place::Lines(offset) => self.supply.write_line(offset, value),
@@ -151,6 +173,8 @@ impl Chip {
             }
             Place::Identity | Place::Unknown => false,
         };
+        // What was set up moves its first byte at once.
+        self.advance_serials();
         if !known {
             self.unknown.insert(format!("write of {address:#010x}"));
         }

@@ -6,6 +6,18 @@ use std::collections::VecDeque;
 /// Bits of a byte on the wire.
 const BITS: Time = 10;
 
+/// Bits of the third control register: the DMA serves receiver and transmitter.
+const RECEIVES_BY_DMA: u32 = 1 << 6;
+const TRANSMITS_BY_DMA: u32 = 1 << 7;
+
+/// Way of a port's bytes without the processor.
+pub(crate) trait BytePath {
+    /// Takes a byte from the receiver. Returns false if nothing is set up to take it.
+    fn take(&mut self, byte: u8) -> bool;
+    /// Returns the next byte for the transmitter, if there is one.
+    fn next(&mut self) -> Option<u8>;
+}
+
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Serial {
     control: [u32; 3],
@@ -49,11 +61,51 @@ impl Serial {
         self.control[0] & 1 << 13 != 0 && self.control[0] & 1 << bit != 0
     }
 
-    pub(crate) fn next_event(&self) -> Option<Time> {
-        self.coming.front().map(|(time, _)| *time)
+    fn is_served(&self, bit: u32) -> bool {
+        self.control[2] & bit != 0
     }
 
-    pub(crate) fn advance(&mut self, now: Time, bus: Time) {
+    pub(crate) fn next_event(&self) -> Option<Time> {
+        let coming = self.coming.front().map(|(time, _)| *time);
+        // The DMA brings the next byte then.
+        let is_asking = self.waiting.is_some() && self.is_served(TRANSMITS_BY_DMA);
+        let free = is_asking.then_some(self.busy_until);
+        coming.into_iter().chain(free).min()
+    }
+
+    /// Lets the wire, and what the DMA moves by `path`, go on to the present time.
+    pub(crate) fn serve(&mut self, now: Time, bus: Time, path: &mut impl BytePath) {
+        self.receive(now, path);
+        // Before the present nothing was there to be sent, or the DMA has stopped within a byte.
+        let mut time = now;
+        loop {
+            if self.waiting.is_none()
+                && self.is_on(3)
+                && self.is_served(TRANSMITS_BY_DMA)
+                && let Some(byte) = path.next()
+            {
+                self.put(byte, time, bus);
+            }
+            if self.waiting.is_none() || self.busy_until > now {
+                return;
+            }
+            time = self.busy_until;
+            self.shift_waiting(bus);
+        }
+    }
+
+    /// Moves the byte in the receiver to where the DMA wants it.
+    fn hand_over(&mut self, path: &mut impl BytePath) {
+        if let Some(byte) = self.received
+            && self.is_served(RECEIVES_BY_DMA)
+            && path.take(byte)
+        {
+            self.received = None;
+        }
+    }
+
+    fn receive(&mut self, now: Time, path: &mut impl BytePath) {
+        self.hand_over(path);
         while let Some((_, byte)) = self.coming.pop_front_if(|(time, _)| *time <= now) {
             // A receiver that is off hears nothing.
             if !self.is_on(2) {
@@ -66,11 +118,29 @@ impl Serial {
                 }
                 None => self.received = Some(byte),
             }
+            self.hand_over(path);
         }
+    }
+
+    /// Lets the wire go on to the present time, without a DMA.
+    fn advance(&mut self, now: Time, bus: Time) {
+        self.receive(now, &mut NoPath);
         if self.waiting.is_some() && self.busy_until <= now {
-            let byte = self.waiting.take();
-            let start = self.busy_until;
-            self.shift(byte, start, bus);
+            self.shift_waiting(bus);
+        }
+    }
+
+    fn shift_waiting(&mut self, bus: Time) {
+        let byte = self.waiting.take();
+        let start = self.busy_until;
+        self.shift(byte, start, bus);
+    }
+
+    /// Gives a byte to the transmitter.
+    fn put(&mut self, byte: u8, now: Time, bus: Time) {
+        match self.busy_until <= now {
+            true => self.shift(Some(byte), now, bus),
+            false => self.waiting = Some(byte),
         }
     }
 
@@ -110,10 +180,7 @@ impl Serial {
         self.advance(now, bus);
         match offset {
             0x00 | 0x18 => {}
-            0x04 if self.is_on(3) => match self.busy_until <= now {
-                true => self.shift(Some(value as u8), now, bus),
-                false => self.waiting = Some(value as u8),
-            },
+            0x04 if self.is_on(3) => self.put(value as u8, now, bus),
             0x04 => {}
             0x08 => self.divider = value & 0xFFFF,
             0x0C..=0x14 => self.control[(offset as usize - 0x0C) / 4] = value,
@@ -123,9 +190,58 @@ impl Serial {
     }
 }
 
+/// No DMA at the port.
+struct NoPath;
+
+impl BytePath for NoPath {
+    fn take(&mut self, _: u8) -> bool {
+        false
+    }
+
+    fn next(&mut self) -> Option<u8> {
+        None
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// A DMA that has bytes to be sent, and room.
+    #[derive(Default)]
+    struct Memory {
+        leaving: VecDeque<u8>,
+        come: Vec<u8>,
+    }
+
+    impl BytePath for Memory {
+        fn take(&mut self, byte: u8) -> bool {
+            self.come.push(byte);
+            true
+        }
+
+        fn next(&mut self) -> Option<u8> {
+            self.leaving.pop_front()
+        }
+    }
+
+    #[test]
+    fn a_dma_feeds_a_wire_without_gaps_and_loses_no_byte() {
+        let mut serial = on();
+        serial.write(0x14, RECEIVES_BY_DMA | TRANSMITS_BY_DMA, 0, 24);
+        let mut memory = Memory {
+            leaving: [1, 2, 3].into(),
+            ..Memory::default()
+        };
+        serial.coming.extend([(100, 7), (200, 8)]);
+        // The first byte leaves now, the others one behind the other, however late the bench looks.
+        serial.serve(1000, 24, &mut memory);
+        assert_eq!(serial.next_event(), Some(12_040));
+        serial.serve(50_000, 24, &mut memory);
+        assert_eq!(serial.sent, [(12_040, 1), (23_080, 2), (34_120, 3)]);
+        assert_eq!((memory.come, serial.lost), (vec![7, 8], 0));
+        assert!(!serial.interrupts());
+    }
 
     fn on() -> Serial {
         let mut serial = Serial::default();

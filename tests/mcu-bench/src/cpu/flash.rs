@@ -5,8 +5,21 @@ use anyhow::{Result, anyhow, bail};
 use object::Endianness;
 use object::elf::PT_LOAD;
 use object::read::elf::{ElfFile32, ProgramHeader};
+use object::{Object, ObjectSymbol};
 use std::fs;
 use std::path::Path;
+
+/// Returns the address of the variable whose name has `part` in it, mangled.
+pub(crate) fn address_of(file: &Path, part: &str) -> Result<u32> {
+    let data = fs::read(file).map_err(|error| anyhow!("{}: {error}", file.display()))?;
+    let elf = ElfFile32::<Endianness>::parse(&*data)
+        .map_err(|error| anyhow!("{}: not a 32-bit ELF file: {error}", file.display()))?;
+    let symbol = elf
+        .symbols()
+        .find(|symbol| symbol.name().is_ok_and(|name| name.contains(part)));
+    let symbol = symbol.ok_or_else(|| anyhow!("{}: no symbol {part}", file.display()))?;
+    Ok(symbol.address() as u32)
+}
 
 /// Returns the content of the flash with the images of `files` in it.
 pub(crate) fn load(files: &[&Path]) -> Result<Vec<u8>> {

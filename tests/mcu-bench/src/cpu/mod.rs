@@ -14,9 +14,9 @@ mod exceptions;
 mod flash;
 mod world;
 
-pub(crate) use flash::load;
+pub(crate) use flash::{address_of, load};
 
-use crate::chip::{Chip, Crystal, Kind, NMI, ResetCause};
+use crate::chip::{Chip, Crystal, Kind, NMI, RAM, RAM_BYTES, ResetCause};
 use crate::time::Time;
 use crate::trace::Trace;
 use anyhow::{Result, anyhow, bail};
@@ -29,8 +29,6 @@ pub(crate) const CYCLES_PER_INSTRUCTION: u64 = 2;
 
 const FLASH: u64 = 0x0800_0000;
 const FLASH_BYTES: u64 = 1024 * 1024;
-const RAM: u64 = 0x2000_0000;
-const RAM_BYTES: u64 = 128 * 1024;
 
 /// No address: the emulator runs until it is stopped.
 const NEVER: u64 = u64::MAX;

@@ -1,7 +1,7 @@
 //! Memories, registers and hooks of the CPU emulator.
 
-use super::{CYCLES_PER_INSTRUCTION, FLASH, FLASH_BYTES, RAM, RAM_BYTES};
-use crate::chip::Chip;
+use super::{CYCLES_PER_INSTRUCTION, FLASH, FLASH_BYTES};
+use crate::chip::{Chip, RAM, RAM_BYTES};
 use crate::time::Time;
 use unicorn_engine::{HookType, Prot, Unicorn};
 
@@ -111,7 +111,9 @@ fn store(uc: &mut Unicorn<'_, World>, address: u64, size: usize, value: u32) {
 pub(super) fn set_up(uc: &mut Unicorn<'static, World>) -> Result<(), unicorn_engine::uc_error> {
     // Written by the hook below, and by no store that the controller does not take.
     uc.mem_map(FLASH, FLASH_BYTES, Prot::ALL)?;
-    uc.mem_map(RAM, RAM_BYTES, Prot::READ | Prot::WRITE)?;
+    let ram = uc.get_data().chip.dma.memory.pointer();
+    // SAFETY: the chip keeps its memory, which never moves, as long as the emulator has the chip.
+    unsafe { uc.mem_map_ptr(RAM, RAM_BYTES, Prot::READ | Prot::WRITE, ram)? };
     let flash = uc.get_data().flash.clone();
     uc.mem_write(FLASH, &flash)?;
     for (start, bytes) in REGISTERS {

@@ -19,11 +19,13 @@ pub(super) const RP2040: Chip = Chip {
             name: "uart0",
             transmit: &["GP0", "GP12", "GP16", "GP28"],
             receive: &["GP1", "GP13", "GP17", "GP29"],
+            dma: None,
         },
         SerialPort {
             name: "uart1",
             transmit: &["GP4", "GP8", "GP20", "GP24"],
             receive: &["GP5", "GP9", "GP21", "GP25"],
+            dma: None,
         },
     ],
     usb: Usb {

@@ -1,6 +1,6 @@
 //! STM32F405: alternate functions of ST's data sheet DS8626, table 9, as far as the firmware uses them.
 
-use super::{Chip, Family, SerialPort, Signal, Usb};
+use super::{Chip, Family, SerialDma, SerialPort, Signal, Usb};
 use crate::board::role::Role;
 
 pub(super) const ALL: &[u8] = &[0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15];
@@ -24,27 +24,31 @@ const WITHHELD: &[(&str, &str)] = &[
     ("PC15", BACKUP),
 ];
 
-/// The ports whose registers are alike. UART4 and UART5 have others.
+/// The ports whose registers are alike. UART4 and UART5 have others. Streams and channels of the DMA are those of RM0090, tables 42 and 43.
 const SERIAL_PORTS: &[SerialPort] = &[
     SerialPort {
         name: "usart1",
         transmit: &["PA9", "PB6"],
         receive: &["PA10", "PB7"],
+        dma: SerialDma::of(2, [2, 7], [4, 4]),
     },
     SerialPort {
         name: "usart2",
         transmit: &["PA2", "PD5"],
         receive: &["PA3", "PD6"],
+        dma: SerialDma::of(1, [5, 6], [4, 4]),
     },
     SerialPort {
         name: "usart3",
         transmit: &["PB10", "PC10", "PD8"],
         receive: &["PB11", "PC11", "PD9"],
+        dma: SerialDma::of(1, [1, 3], [4, 4]),
     },
     SerialPort {
         name: "usart6",
         transmit: &["PC6"],
         receive: &["PC7"],
+        dma: SerialDma::of(2, [1, 6], [5, 5]),
     },
 ];
 

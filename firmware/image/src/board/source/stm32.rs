@@ -22,6 +22,42 @@ fn port(pin: &WiredPin) -> char {
     pin.place.0.chars().last().unwrap_or_default()
 }
 
+/// The line's interrupt: that at the end of the receiver's stream.
+fn line_interrupt(board: &BoardFile, has_hal: bool) -> String {
+    match board.line.and_then(|port| port.dma.as_ref()) {
+        Some(dma) => {
+            let stream = if has_hal { "STREAM" } else { "CHANNEL" };
+            format!("DMA{}_{stream}{}", dma.controller, dma.streams[0])
+        }
+        // Over USB there is none: that of the log's port is never switched on.
+        None => board.log.name.to_uppercase(),
+    }
+}
+
+/// The line's DMA. Over USB there is none.
+fn line_dma(port: Option<&SerialPort>, has_hal: bool) -> String {
+    let Some(dma) = port.and_then(|port| port.dma.as_ref()) else {
+        return String::new();
+    };
+    let (controller, [receive, transmit]) = (dma.controller, dma.streams);
+    let mut text = match has_hal {
+        true => format!("pub(crate) type LineController = stm32f4xx_hal::pac::DMA{controller};\n"),
+        false => format!(
+            "pub(crate) const LINE_CONTROLLER: stm32_metapac::bdma::Dma = stm32_metapac::DMA{controller};\n"
+        ),
+    };
+    for (name, stream, request) in [
+        ("RECEIVE", receive, dma.requests[0]),
+        ("TRANSMIT", transmit, dma.requests[1]),
+    ] {
+        text += &format!(
+            "pub(crate) const LINE_{name}_STREAM: usize = {stream};\n\
+             pub(crate) const LINE_{name}_REQUEST: u8 = {request};\n"
+        );
+    }
+    text
+}
+
 /// The port of an STM32F405 on APB2, which is twice as fast as the bus of the others.
 fn is_on_fast_bus(port: &SerialPort) -> bool {
     matches!(port.name, "usart1" | "usart6")
@@ -50,10 +86,10 @@ pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
          line_interrupt!({}, {});\n",
         board.pll.divider,
         board.pll.factor,
-        // Without a port for the line, that of the log: its interrupt is never switched on there.
-        line.as_ref().unwrap_or(&log),
+        line_interrupt(board, has_hal),
         board.chip.usb.interrupt,
     );
+    text += &line_dma(board.line, has_hal);
     text += &match has_hal {
         true => format!(
             "use stm32f4xx_hal::gpio::GpioExt as _;\n\

@@ -1,160 +1,14 @@
-//! Power cuts at every erasure and every word of an update: the board always starts the old program or the new one, whole.
+//! Power cuts at every erasure and every word of an update: the board always starts the old program or the new one, whole. Likewise of a
+//! scene that comes over the line.
 
+mod cut_flash;
+mod scenes;
+
+use cut_flash::{CutFlash, LAYOUT};
 use trirrr_boot::{
-    Flash, FlashError, Layout, ReceiveError, Receiver, Slot, Stage, Started, WholeImage, boot,
-    checksum_behind, confirm, request, stage,
+    ReceiveError, Receiver, Stage, Started, WholeImage, boot, checksum_behind, confirm, request,
+    stage,
 };
-
-/// Small slots, so that there are few places for a cut.
-const LAYOUT: Layout = Layout {
-    journal: Slot {
-        start: 0x1000,
-        sector_bytes: 256,
-        first_sector: 1,
-        sectors: 1,
-    },
-    program: slot(0x2000, 5),
-    new: slot(0x3000, 7),
-    old: slot(0x4000, 9),
-};
-
-const fn slot(start: u32, first_sector: u8) -> Slot {
-    Slot {
-        start,
-        sector_bytes: 64,
-        first_sector,
-        sectors: 2,
-    }
-}
-
-const SLOTS: [Slot; 4] = [LAYOUT.journal, LAYOUT.program, LAYOUT.new, LAYOUT.old];
-
-/// A flash that loses its power in its next operation but `left`.
-#[derive(Clone)]
-struct CutFlash {
-    words: std::collections::BTreeMap<u32, u32>,
-    left: Option<u32>,
-    is_dead: bool,
-    noise: u32,
-    operations: u32,
-}
-
-impl CutFlash {
-    /// With a program, and the rest erased.
-    fn with(program: &[u8]) -> Self {
-        let mut flash = Self {
-            words: SLOTS
-                .iter()
-                .flat_map(|slot| (slot.start..slot.start + slot.bytes()).step_by(4))
-                .map(|address| (address, u32::MAX))
-                .collect(),
-            left: None,
-            is_dead: false,
-            noise: 1,
-            operations: 0,
-        };
-        flash.put(&LAYOUT.program, program);
-        flash
-    }
-
-    fn put(&mut self, slot: &Slot, bytes: &[u8]) {
-        for (address, part) in (slot.start..).step_by(4).zip(bytes.chunks(4)) {
-            let mut word = [0xFF; 4];
-            word[..part.len()].copy_from_slice(part);
-            self.words.insert(address, u32::from_le_bytes(word));
-        }
-    }
-
-    fn bytes(&self, slot: &Slot, length: usize) -> Vec<u8> {
-        let addresses = (slot.start..slot.start + slot.bytes()).step_by(4);
-        let mut bytes: Vec<u8> = addresses
-            .flat_map(|at| self.words[&at].to_le_bytes())
-            .collect();
-        assert!(
-            bytes.drain(length..).all(|byte| byte == 0xFF),
-            "more than the image"
-        );
-        bytes
-    }
-
-    fn random(&mut self) -> u32 {
-        self.noise = self
-            .noise
-            .wrapping_mul(1_664_525)
-            .wrapping_add(1_013_904_223);
-        self.noise ^ self.noise >> 16
-    }
-
-    /// Counts an operation; true if it is whole, false if the power goes in it, an error if there is none.
-    fn goes_on(&mut self, place: u32) -> Result<bool, FlashError> {
-        if self.is_dead {
-            return Err(FlashError { place, status: 0 });
-        }
-        self.operations += 1;
-        match &mut self.left {
-            Some(0) => {
-                self.is_dead = true;
-                Ok(false)
-            }
-            Some(left) => {
-                *left -= 1;
-                Ok(true)
-            }
-            None => Ok(true),
-        }
-    }
-
-    fn power_on(&mut self, left: Option<u32>) {
-        (self.left, self.is_dead, self.operations) = (left, false, 0);
-    }
-}
-
-impl Flash for CutFlash {
-    fn word(&self, address: u32) -> u32 {
-        self.words[&address]
-    }
-
-    fn erase(&mut self, sector: u8) -> Result<(), FlashError> {
-        let slot = SLOTS
-            .iter()
-            .find(|slot| (slot.first_sector..slot.first_sector + slot.sectors).contains(&sector));
-        let slot = slot.unwrap_or_else(|| panic!("sector {sector} is in no slot"));
-        let start = slot.start + slot.sector_bytes * u32::from(sector - slot.first_sector);
-        let is_whole = self.goes_on(sector.into())?;
-        for address in (start..start + slot.sector_bytes).step_by(4) {
-            // Bits rise one by one, those of each word on their own.
-            let (kind, noise) = (self.random() % 3, self.random());
-            let word = self.words.get_mut(&address).expect("a word of the flash");
-            *word = match (is_whole, kind) {
-                (true, _) | (false, 0) => u32::MAX,
-                (false, 1) => *word,
-                (false, _) => *word | noise,
-            };
-        }
-        match is_whole {
-            true => Ok(()),
-            false => Err(FlashError {
-                place: sector.into(),
-                status: 0,
-            }),
-        }
-    }
-
-    fn program(&mut self, address: u32, word: u32) -> Result<(), FlashError> {
-        let is_whole = self.goes_on(address)?;
-        let noise = self.random();
-        let kept = self.words.get_mut(&address).expect("a word of the flash");
-        // Bits only fall. Of a word that is cut some do.
-        *kept &= if is_whole { word } else { word | noise };
-        match *kept == word {
-            true => Ok(()),
-            false => Err(FlashError {
-                place: address,
-                status: *kept,
-            }),
-        }
-    }
-}
 
 fn image(bytes: &[u8]) -> WholeImage {
     WholeImage {
@@ -171,9 +25,9 @@ fn programs() -> (Vec<u8>, Vec<u8>) {
 /// Receives `new` in blocks.
 fn receive(flash: &mut CutFlash, new: &[u8]) -> Result<(), ReceiveError> {
     let mut receiver = Receiver::NONE;
-    receiver.begin(&LAYOUT, image(new))?;
+    receiver.begin(LAYOUT.new.bytes(), image(new))?;
     for block in new.chunks(16) {
-        receiver.block(flash, &LAYOUT, receiver.received(), block)?;
+        receiver.block(flash, &LAYOUT.new, receiver.received(), block)?;
     }
     receiver.finish(flash, &LAYOUT)
 }
@@ -393,24 +247,30 @@ fn blocks_come_in_their_order_and_the_checksum_is_that_of_the_flash() {
     let (old, new) = programs();
     let mut flash = CutFlash::with(&old);
     let mut receiver = Receiver::NONE;
-    let first = receiver.block(&mut flash, &LAYOUT, 0, &new[..16]);
+    let first = receiver.block(&mut flash, &LAYOUT.new, 0, &new[..16]);
     assert_eq!(first, Err(ReceiveError::NotBegun));
     let long = WholeImage {
         length: LAYOUT.new.bytes() + 1,
         checksum: 0,
     };
-    assert_eq!(receiver.begin(&LAYOUT, long), Err(ReceiveError::Length));
+    assert_eq!(
+        receiver.begin(LAYOUT.new.bytes(), long),
+        Err(ReceiveError::Length)
+    );
     let none = WholeImage {
         length: 0,
         checksum: 0,
     };
-    assert_eq!(receiver.begin(&LAYOUT, none), Err(ReceiveError::Length));
+    assert_eq!(
+        receiver.begin(LAYOUT.new.bytes(), none),
+        Err(ReceiveError::Length)
+    );
     receiver
-        .begin(&LAYOUT, image(&new))
+        .begin(LAYOUT.new.bytes(), image(&new))
         .expect("an image of this length");
     for (offset, length) in [(16, 16), (0, 15), (0, 0), (0, new.len() + 1)] {
         let bytes = vec![1; length];
-        let refused = receiver.block(&mut flash, &LAYOUT, offset, &bytes);
+        let refused = receiver.block(&mut flash, &LAYOUT.new, offset, &bytes);
         assert_eq!(
             refused,
             Err(ReceiveError::Offset { expected: 0 }),
@@ -419,7 +279,7 @@ fn blocks_come_in_their_order_and_the_checksum_is_that_of_the_flash() {
     }
     assert_eq!(flash.operations, 0);
     receiver
-        .block(&mut flash, &LAYOUT, 0, &new[..16])
+        .block(&mut flash, &LAYOUT.new, 0, &new[..16])
         .expect("the first block");
     let early = receiver.finish(&mut flash, &LAYOUT);
     assert_eq!(early, Err(ReceiveError::Offset { expected: 16 }));
@@ -427,7 +287,7 @@ fn blocks_come_in_their_order_and_the_checksum_is_that_of_the_flash() {
     wrong[17] ^= 0x20;
     for block in wrong[16..].chunks(16) {
         receiver
-            .block(&mut flash, &LAYOUT, receiver.received(), block)
+            .block(&mut flash, &LAYOUT.new, receiver.received(), block)
             .expect("a block");
     }
     let found = checksum_behind(0, &wrong);

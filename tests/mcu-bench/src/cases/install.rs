@@ -1,0 +1,138 @@
+//! Scene over the line: the board keeps it and plays it, and power that is cut leaves one of both.
+
+use super::update::{Ended, Updater, described};
+use super::{Row, Subject, fact};
+use crate::chip::ResetCause;
+use crate::cpu::Board;
+use crate::time::{MS, SECOND};
+use anyhow::{Result, anyhow};
+use trirrr_client::{Patience, SceneImage, UpdateClient, UpdateFailure};
+use trirrr_image::generate::BoardScene;
+use trirrr_protocol::message::{SceneNeed, SceneNeeds};
+use trirrr_scene::Scene;
+
+const CASE: &str = "install";
+
+/// First of the two slots.
+const SLOT: u32 = 0x0800_8000;
+
+/// Scene named `name`, with other links than those of the image.
+fn scene(subject: &Subject, name: &str) -> Scene {
+    let mut scene = Scene {
+        name: name.into(),
+        key: key_of(name),
+        ..subject.scene.clone()
+    };
+    for leg in &mut scene.parameters.legs {
+        leg.proximal_m = 0.21;
+    }
+    scene
+}
+
+/// A key of its own, not 0.
+fn key_of(name: &str) -> u32 {
+    name.bytes().map(u32::from).sum()
+}
+
+fn installer(scene: &Scene) -> Result<Updater> {
+    let of_board = BoardScene::of(scene).map_err(|error| anyhow!("{error}"))?;
+    let image = SceneImage::new(of_board.types, &of_board.values);
+    Ok(Updater::of(UpdateClient::of_scene(
+        image,
+        Patience::default(),
+        7,
+    )))
+}
+
+/// Name of the scene that the board tells a host, of which nothing more comes.
+fn told(board: &mut Board, scene: &Scene) -> Result<String> {
+    board.run(board.now() + 100 * MS)?;
+    let mut host = installer(scene)?;
+    host.run(board, |host| host.client.identity().is_some())?;
+    Ok(host.scene())
+}
+
+pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
+    let mut board = subject.switch_on()?;
+    board.run(100 * MS)?;
+    let mut rows = Vec::new();
+    let mut row = |what: &str, measured: String, bound: &str| {
+        rows.push(fact(CASE, what, measured, bound));
+    };
+
+    let [first, second] = ["first", "second"].map(|name| scene(subject, name));
+    row(
+        "a scene of another tick rate",
+        refused(&mut board, subject)?,
+        "true, 0 erasures, 0 words",
+    );
+
+    let mut host = installer(&first)?;
+    let ended = host.to_end(&mut board)?;
+    row("first scene: result", described(ended), "Ok(())");
+    row("first scene: told afterwards", host.scene(), "first");
+    let erased = board.chip().flash.erasures;
+    row("first scene: sectors erased", erased.to_string(), "1");
+    let mut player = subject.host_of(&mut board, &first)?;
+    let played = player.play(&mut board, 10 * SECOND);
+    row(
+        "first scene: its job",
+        format!("{:?}", played.is_ok()),
+        "true",
+    );
+
+    // Power is cut while the second comes: its sector is erased, and its first block is there.
+    board.reset(ResetCause::Pin)?;
+    board.run(board.now() + 100 * MS)?;
+    let mut host = installer(&second)?;
+    host.run(&mut board, |host| host.client.progress().0 > 0)?;
+    board.reset(ResetCause::Power)?;
+    row(
+        "power cut while a second comes",
+        told(&mut board, &second)?,
+        "first",
+    );
+
+    board.reset(ResetCause::Pin)?;
+    board.run(board.now() + 100 * MS)?;
+    let mut host = installer(&second)?;
+    let ended = host.to_end(&mut board)?;
+    row("second scene: result", described(ended), "Ok(())");
+    row("second scene: told afterwards", host.scene(), "second");
+    board.reset(ResetCause::Power)?;
+    row(
+        "second scene: told after power off and on",
+        told(&mut board, &second)?,
+        "second",
+    );
+
+    // The second lies in the other slot.
+    board.damage(SLOT + 16 * 1024 + 64)?;
+    board.reset(ResetCause::Power)?;
+    let left = told(&mut board, &second)?;
+    row("second scene is damaged in the flash", left, "first");
+    board.damage(SLOT + 64)?;
+    board.reset(ResetCause::Power)?;
+    let left = told(&mut board, &second)?;
+    row("both are damaged", left, &subject.scene.name);
+    Ok(rows)
+}
+
+/// A scene whose type the image lacks.
+fn refused(board: &mut Board, subject: &Subject) -> Result<String> {
+    let other = Scene {
+        tick_rate_hz: subject.scene.tick_rate_hz / 2.0,
+        ..scene(subject, "slow")
+    };
+    let ended = installer(&other)?.to_end(board)?;
+    let mut lacks = SceneNeeds::default();
+    lacks.insert(SceneNeed::TickRate);
+    let named: Ended = Err(UpdateFailure::Lacks(lacks));
+    let flash = &board.chip().flash;
+    Ok(format!(
+        "{}, {} erasures, {} words",
+        ended == named,
+        flash.erasures,
+        flash.words
+    ))
+}
