@@ -6,24 +6,24 @@ use crate::wiring::BoardPin;
 use trirrr_app::outputs::WithParts;
 
 #[cfg(brake)]
-type Brake = trirrr_app::outputs::BrakePin<<crate::board::Brake as BoardPin>::Output>;
+type BrakePart = trirrr_app::outputs::BrakePin<<crate::board::Brake as BoardPin>::Output>;
 #[cfg(not(brake))]
-type Brake = ();
+type BrakePart = ();
 #[cfg(not(tool = "none"))]
-type Tool = trirrr_app::outputs::SceneTool<crate::tool::ToolPin>;
+type ToolPart = trirrr_app::outputs::SceneTool<crate::tool::ToolPin>;
 #[cfg(tool = "none")]
-type Tool = ();
+type ToolPart = ();
 #[cfg(lamp)]
-type Lamp = trirrr_app::LampPin<<crate::board::Lamp as BoardPin>::Output>;
+type LampPart = trirrr_app::LampPin<<crate::board::Lamp as BoardPin>::Output>;
 #[cfg(not(lamp))]
-type Lamp = ();
+type LampPart = ();
 #[cfg(digital)]
-type Spare = crate::digital::SpareOutputPins;
+type SparePart = crate::digital::SpareOutputPins;
 #[cfg(not(digital))]
-type Spare = ();
+type SparePart = ();
 
 /// Outputs of this image.
-pub(crate) type BoardOutputs = WithParts<Drives, (Brake, Tool, Lamp, Spare)>;
+pub(crate) type BoardOutputs = WithParts<Drives, (BrakePart, ToolPart, LampPart, SparePart)>;
 
 /// Drives and tool, which are off, and the pins beside them.
 pub(crate) struct OutputPins {
@@ -44,7 +44,7 @@ pub(crate) fn build(pins: OutputPins) -> BoardOutputs {
         drives: pins.drives,
         parts: (
             #[cfg(brake)]
-            Brake::new(pins.brake.output(false)),
+            BrakePart::new(pins.brake.output(false)),
             #[cfg(not(brake))]
             (),
             #[cfg(not(tool = "none"))]
@@ -52,7 +52,7 @@ pub(crate) fn build(pins: OutputPins) -> BoardOutputs {
             #[cfg(tool = "none")]
             (),
             #[cfg(lamp)]
-            Lamp::new(pins.lamp.output(false)),
+            LampPart::new(pins.lamp.output(false)),
             #[cfg(not(lamp))]
             (),
             #[cfg(digital)]
