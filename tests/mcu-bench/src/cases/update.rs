@@ -209,7 +209,7 @@ fn goes_back(
     what: &str,
     fail: impl Fn(&mut Board) -> Result<()>,
 ) -> Result<[Row; 2]> {
-    let mut board = subject.switch_on_with(&subject.image, super::CRYSTAL, OSCILLATOR_HZ[0])?;
+    let mut board = subject.switch_on_with(&subject.image, subject.kind.crystal(), OSCILLATOR_HZ[0])?;
     board.run(100 * MS)?;
     let mut host = Updater::new(image(other)?);
     host.run(&mut board, |host| host.client.is_restarting())?;
