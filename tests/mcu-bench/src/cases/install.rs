@@ -34,20 +34,22 @@ fn key_of(name: &str) -> u32 {
     name.bytes().map(u32::from).sum()
 }
 
-fn installer(scene: &Scene) -> Result<Updater> {
+/// Host that installs `scene`, in a conversation of its own.
+fn installer(board: &mut Board, scene: &Scene) -> Result<Updater> {
     let of_board = BoardScene::of(scene).map_err(|error| anyhow!("{error}"))?;
     let image = SceneImage::new(of_board.types, &of_board.values);
-    Ok(Updater::of(UpdateClient::of_scene(
-        image,
-        Patience::default(),
-        7,
-    )))
+    let conversation = board.now() as u32;
+    let client = UpdateClient::of_scene(image, Patience::default(), conversation);
+    let mut host = Updater::of(client);
+    // What the board has said to hosts before.
+    host.line.drop_all(board);
+    Ok(host)
 }
 
 /// Name of the scene that the board tells a host, of which nothing more comes.
 fn told(board: &mut Board, scene: &Scene) -> Result<String> {
     board.run(board.now() + 100 * MS)?;
-    let mut host = installer(scene)?;
+    let mut host = installer(board, scene)?;
     host.run(board, |host| host.client.identity().is_some())?;
     Ok(host.scene())
 }
@@ -67,7 +69,7 @@ pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
         "true, 0 erasures, 0 words",
     );
 
-    let mut host = installer(&first)?;
+    let mut host = installer(&mut board, &first)?;
     let ended = host.to_end(&mut board)?;
     row("first scene: result", described(ended), "Ok(())");
     row("first scene: told afterwards", host.scene(), "first");
@@ -84,7 +86,7 @@ pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
     // Power is cut while the second comes: its sector is erased, and its first block is there.
     board.reset(ResetCause::Pin)?;
     board.run(board.now() + 100 * MS)?;
-    let mut host = installer(&second)?;
+    let mut host = installer(&mut board, &second)?;
     host.run(&mut board, |host| host.client.progress().0 > 0)?;
     board.reset(ResetCause::Power)?;
     row(
@@ -95,7 +97,7 @@ pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
 
     board.reset(ResetCause::Pin)?;
     board.run(board.now() + 100 * MS)?;
-    let mut host = installer(&second)?;
+    let mut host = installer(&mut board, &second)?;
     let ended = host.to_end(&mut board)?;
     row("second scene: result", described(ended), "Ok(())");
     row("second scene: told afterwards", host.scene(), "second");
@@ -124,7 +126,7 @@ fn refused(board: &mut Board, subject: &Subject) -> Result<String> {
         tick_rate_hz: subject.scene.tick_rate_hz / 2.0,
         ..scene(subject, "slow")
     };
-    let ended = installer(&other)?.to_end(board)?;
+    let ended = installer(board, &other)?.to_end(board)?;
     let mut lacks = SceneNeeds::default();
     lacks.insert(SceneNeed::TickRate);
     let named: Ended = Err(UpdateFailure::Lacks(lacks));

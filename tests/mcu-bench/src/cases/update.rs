@@ -26,7 +26,7 @@ pub(super) type Ended = Result<(), UpdateFailure<f32>>;
 /// Host that replaces the program, or the scene.
 pub(super) struct Updater {
     pub(super) client: UpdateClient<f32>,
-    line: HostLine,
+    pub(super) line: HostLine,
     ended: Option<Ended>,
 }
 
