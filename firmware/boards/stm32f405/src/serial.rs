@@ -14,6 +14,7 @@ use core::convert::Infallible;
 use embedded_hal_nb::serial::{ErrorType, Write};
 use stm32f4xx_hal::gpio::PushPull;
 use stm32f4xx_hal::gpio::alt::SerialAsync;
+use stm32f4xx_hal::pac::usart1;
 use stm32f4xx_hal::rcc::{Enable, Rcc};
 #[cfg(not(usb))]
 use trirrr_app::BAUD;
