@@ -9,6 +9,8 @@ use anyhow::{Result, bail, ensure};
 pub(super) enum Known {
     Nothing,
     Constant(u32),
+    /// One of two constants, the smaller first: ways that set them have joined.
+    Either(u32, u32),
     /// So many bytes below where the stack was at the function's entry.
     Stack(i32),
     /// This, plus something.
@@ -23,6 +25,23 @@ impl Known {
         match self {
             Self::Constant(value) => Self::Constant(value.wrapping_add_signed(plus)),
             Self::Stack(depth) => Self::Stack(depth - plus),
+            _ => Self::Nothing,
+        }
+    }
+
+    /// Keeps what holds of both.
+    fn meet(self, other: Self) -> Self {
+        match (self, other) {
+            _ if self == other => self,
+            (Self::Constant(one), Self::Constant(another)) => {
+                Self::Either(one.min(another), one.max(another))
+            }
+            (Self::Either(one, another), Self::Constant(value))
+            | (Self::Constant(value), Self::Either(one, another))
+                if value == one || value == another =>
+            {
+                Self::Either(one, another)
+            }
             _ => Self::Nothing,
         }
     }
@@ -65,10 +84,9 @@ impl Facts {
         );
         let mut changed = false;
         for (known, of_other) in self.registers.iter_mut().zip(&other.registers) {
-            if *known != *of_other && *known != Known::Nothing {
-                *known = Known::Nothing;
-                changed = true;
-            }
+            let met = known.meet(*of_other);
+            changed |= met != *known;
+            *known = met;
         }
         Ok(changed)
     }
@@ -134,8 +152,10 @@ impl Facts {
                 _ => Known::Nothing,
             },
             Value::Element(base, index, bytes) => match (self.get(base), self.get(index)) {
-                (Known::Constant(table), Known::Nothing)
-                | (Known::Nothing, Known::Constant(table)) => Known::Entry(table, bytes),
+                (Known::Constant(table), Known::Nothing | Known::Either(..))
+                | (Known::Nothing | Known::Either(..), Known::Constant(table)) => {
+                    Known::Entry(table, bytes)
+                }
                 // On some way the index is known, too. The table is the address; all of its entries are more than that way takes.
                 (Known::Constant(one), Known::Constant(other)) => {
                     Known::Entry(one.max(other), bytes)

@@ -124,6 +124,21 @@ fn a_call_by_register_is_followed_where_the_register_is_known() {
 }
 
 #[test]
+fn a_call_by_register_is_followed_to_both_where_two_ways_join() {
+    // push; ldr r3, [pc, #8]; beq; ldr r3, [pc, #8]; blx r3; pop; the addresses of g and h
+    let f = [
+        PUSH_R4_LR, 0x4b02, 0xd000, 0x4b02, 0x4798, POP_R4_PC, 0x0201, 0x0800, 0x0301, 0x0800,
+    ];
+    let both = program(&[
+        (F, "f", &f, 6),
+        code(G, "g", &[BX_LR]),
+        code(H, "h", &[BX_LR]),
+    ]);
+    let calls = [G, H].map(|to| Call { to, depth: 8 });
+    assert_eq!(body(&both, F).calls, BTreeSet::from(calls));
+}
+
+#[test]
 fn what_lies_behind_a_call_that_never_returns_is_not_walked() {
     let [high, low] = call(F + 2, G);
     // 0xffff is no instruction.
