@@ -138,11 +138,37 @@ pub type Output = trirrr_service::Output<Scalar>;
 
 /// Builds both halves of the scene's service. The machine stands at the start of its job.
 // A call: inlined, the board's crate would compile it for speed.
+#[cfg(scene_over_line)]
 #[inline(never)]
 pub fn build(
     channels: &'static mut Channels,
     board: Board,
     firmware: &'static Firmware,
+) -> (SceneForeground, SceneBackground) {
+    // Before the frame of the rest: the check of a scene in the flash takes a third of the stack.
+    let played = stored_scene::played();
+    build_scene(channels, board, firmware, &played)
+}
+
+/// Builds both halves of the scene's service. The machine stands at the start of its job.
+// A call: inlined, the board's crate would compile it for speed.
+#[inline(never)]
+#[cfg(not(scene_over_line))]
+pub fn build(
+    channels: &'static mut Channels,
+    board: Board,
+    firmware: &'static Firmware,
+) -> (SceneForeground, SceneBackground) {
+    build_scene(channels, board, firmware)
+}
+
+#[cfg_attr(scene_over_line, inline(never))]
+#[cfg_attr(not(scene_over_line), inline(always))]
+fn build_scene(
+    channels: &'static mut Channels,
+    board: Board,
+    firmware: &'static Firmware,
+    #[cfg(scene_over_line)] played: &PlayedScene,
 ) -> (SceneForeground, SceneBackground) {
     #[cfg(not(adjustable))]
     let scene = Compiled {
@@ -166,7 +192,7 @@ pub fn build(
         feedback,
         #[cfg(contact)]
         contact,
-    } = stored_scene::played();
+    } = *played;
     #[cfg(scene_over_line)]
     let scene = MachineScene::new(parameters, limits);
     #[cfg(levels)]

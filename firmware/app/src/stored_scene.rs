@@ -77,6 +77,7 @@ fn values(bytes: &[u8]) -> Result<SceneValues, UpdateRefusal> {
 }
 
 /// The newest scene in the flash that this image can play.
+#[inline(never)]
 fn stored() -> Option<SceneValues> {
     let flash = StandingFlash::take();
     let mut room = [0; SceneValues::LONGEST];
@@ -124,6 +125,7 @@ pub(crate) fn played() -> PlayedScene {
 
 /// Builds what the image has as constants. `None` where that was done before, or a coefficient cannot be built, which is refused with the
 /// values.
+#[inline(never)]
 fn build(values: &SceneValues) -> Option<PlayedScene> {
     let settings = values.settings(&SETTINGS);
     let (parameters, start) = (values.parameters(), values.start());

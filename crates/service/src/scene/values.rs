@@ -165,20 +165,26 @@ impl SceneValues {
         P: PathPlanner<M::N>,
     {
         let parameters = self.parameters();
-        let needed = needs_of_model(ModelKind::of(&parameters, M::TORQUES));
         let has = |need: &SceneNeed| needs_of_model(M::KIND).any(|own| own == *need);
-        if let Some(lacking) = { needed }.find(|need| !has(need)) {
+        let kind = ModelKind::of(&parameters, M::TORQUES);
+        if let Some(lacking) = needs_of_model(kind).find(|need| !has(need)) {
             return Err(UpdateRefusal::SceneNeeds(lacking));
         }
         if self.key == 0 || self.ramp.ticks == 0 || !self.is_finite() {
             return Err(UpdateRefusal::SceneLayout);
         }
         let scene = Adjustable::<M, K, P>::new(parameters, self.limits());
+        // By reference: they are kilobytes, and a move is another copy on a board's stack.
         let built = scene.coefficients(&self.settings(own));
-        let built = built.map_err(|error| UpdateRefusal::SceneValue {
-            quantity: error.quantity,
-            leg: error.leg.map(|leg| leg as u8),
-        })?;
+        let built = match &built {
+            Ok(built) => built,
+            Err(error) => {
+                return Err(UpdateRefusal::SceneValue {
+                    quantity: error.quantity,
+                    leg: error.leg.map(|leg| leg as u8),
+                });
+            }
+        };
         let (geometry, start) = (built.tick.geometry(), self.start());
         if geometry.position(&start).is_err() {
             return Err(UpdateRefusal::SceneStart);

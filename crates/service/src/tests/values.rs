@@ -22,7 +22,7 @@ fn values() -> SceneValues {
         ..
     } = settings::<f32>();
     SceneValues {
-        key: 7,
+        key: SCENE,
         name: name("values"),
         units: [0; 3],
         start: [0.21, 0.22, 0.157],
@@ -86,12 +86,12 @@ fn a_service_is_built_from_values() {
     let hello = Hello {
         protocol: PROTOCOL,
         schema: own.scene.schema,
-        scene: 7,
+        scene: SCENE,
     };
     let Reply::Hello(identity) = bench.ask(Command::Hello(hello)) else {
         panic!("a hello of its scene");
     };
-    assert_eq!((identity.scene, identity.name), (7, name("values")));
+    assert_eq!((identity.scene, identity.name), (SCENE, name("values")));
     let Reply::Section(Section::Leg { leg, .. }) = bench.ask(Command::Read(SectionName::Leg(2)))
     else {
         panic!("a leg");
