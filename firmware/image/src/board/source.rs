@@ -261,10 +261,10 @@ mod tests {
     fn a_board_of_its_own_crystal_and_ports_has_them() {
         let text = of("feather-f405", |text| text, &steppers());
         for part in [
-            "pub(crate) type LinePort = USART3;",
+            "pub(crate) type LinePort = stm32f4xx_hal::pac::USART3;",
             "line_interrupt!(DMA1_STREAM1, OTG_FS);",
             "pub(crate) const LINE_TRANSMIT_STREAM: usize = 3;",
-            "pub(crate) type LogPort = USART1;",
+            "pub(crate) type LogPort = stm32f4xx_hal::pac::USART1;",
             "divider: 12, factor: 336",
             "step_1: c.pc2,",
         ] {
