@@ -83,14 +83,8 @@ fn a_service_is_built_from_values() {
     let scene = Adjustable::<Dynamic<f32>>::new(values.parameters(), values.limits());
     let own = settings();
     let mut bench = Bench::off(scene, values.start(), values.settings(&own));
-    let hello = Hello {
-        protocol: PROTOCOL,
-        schema: own.scene.schema,
-        scene: SCENE,
-    };
-    let Reply::Hello(identity) = bench.ask(Command::Hello(hello)) else {
-        panic!("a hello of its scene");
-    };
+    let identity = bench.greet();
+    bench.service.background.next_sequence_is(0);
     assert_eq!((identity.scene, identity.name), (SCENE, name("values")));
     let Reply::Section(Section::Leg { leg, .. }) = bench.ask(Command::Read(SectionName::Leg(2)))
     else {
