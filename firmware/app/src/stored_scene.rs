@@ -12,6 +12,8 @@ use crate::update::{LAYOUT, StandingFlash, flash_refusal};
 use trirrr_boot::{Slot, WholeImage, keep, kept, read, spare};
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::Parameters;
+#[cfg(homing)]
+use trirrr_core::number::WideArithmetic as _;
 use trirrr_core::setpoint::Pose;
 #[cfg(drive = "stepper")]
 use trirrr_drives::stepper::StepsPerTurn;
@@ -131,7 +133,7 @@ fn build(values: &SceneValues) -> Option<PlayedScene> {
     let (parameters, start) = (values.parameters(), values.start());
     #[cfg(homing)]
     let homing = {
-        let period = trirrr_core::number::Number::factor_to_f64(settings.period);
+        let period = Scalar::factor_to_f64(settings.period);
         let built = HomingCoefficients::build(&values.homing?, period);
         cortex_m::singleton!(: HomingCoefficients<Scalar> = built)?
     };
