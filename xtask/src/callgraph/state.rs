@@ -3,14 +3,15 @@
 use super::instruction::{Instruction, LR, PC, Register, SP, Stack, Value};
 use super::program::Program;
 use anyhow::{Result, bail, ensure};
+use std::collections::BTreeSet;
 
 /// Knowledge of a register.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Known {
     Nothing,
     Constant(u32),
-    /// One of two constants, the smaller first: ways that set them have joined.
-    Either(u32, u32),
+    /// One of several constants: ways that set them have joined.
+    OneOf(Choice),
     /// So many bytes below where the stack was at the function's entry.
     Stack(i32),
     /// This, plus something.
@@ -31,19 +32,53 @@ impl Known {
 
     /// Keeps what holds of both.
     fn meet(self, other: Self) -> Self {
-        match (self, other) {
+        match (self.choice(), other.choice()) {
             _ if self == other => self,
-            (Self::Constant(one), Self::Constant(another)) => {
-                Self::Either(one.min(another), one.max(another))
-            }
-            (Self::Either(one, another), Self::Constant(value))
-            | (Self::Constant(value), Self::Either(one, another))
-                if value == one || value == another =>
-            {
-                Self::Either(one, another)
-            }
+            (Some(one), Some(another)) => one.or(another).map_or(Self::Nothing, Self::OneOf),
             _ => Self::Nothing,
         }
+    }
+
+    /// Returns the constants that it may be.
+    fn choice(self) -> Option<Choice> {
+        match self {
+            Self::Constant(value) => Some(Choice {
+                values: [value; MOST],
+                count: 1,
+            }),
+            Self::OneOf(choice) => Some(choice),
+            _ => None,
+        }
+    }
+}
+
+/// Most constants of a [`Choice`].
+const MOST: usize = 4;
+
+/// Different constants in ascending order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Choice {
+    /// Those behind the `count` are as the first.
+    values: [u32; MOST],
+    count: usize,
+}
+
+impl Choice {
+    pub(super) fn iter(&self) -> impl Iterator<Item = u32> + use<> {
+        self.values.into_iter().take(self.count)
+    }
+
+    /// Returns all constants of both; none if they are too many.
+    fn or(self, other: Self) -> Option<Self> {
+        let all: BTreeSet<u32> = self.iter().chain(other.iter()).collect();
+        let mut values = [*all.first()?; MOST];
+        for (nth, value) in all.iter().enumerate() {
+            *values.get_mut(nth)? = *value;
+        }
+        Some(Self {
+            values,
+            count: all.len(),
+        })
     }
 }
 
@@ -152,8 +187,8 @@ impl Facts {
                 _ => Known::Nothing,
             },
             Value::Element(base, index, bytes) => match (self.get(base), self.get(index)) {
-                (Known::Constant(table), Known::Nothing | Known::Either(..))
-                | (Known::Nothing | Known::Either(..), Known::Constant(table)) => {
+                (Known::Constant(table), Known::Nothing | Known::OneOf(_))
+                | (Known::Nothing | Known::OneOf(_), Known::Constant(table)) => {
                     Known::Entry(table, bytes)
                 }
                 // On some way the index is known, too. The table is the address; all of its entries are more than that way takes.

@@ -131,9 +131,11 @@ impl<'a> Walk<'a> {
             Flow::Call(to) => return self.call(to, next, state),
             Flow::CallRegister(register) => match state.get(register) {
                 Known::Constant(to) => return self.call(to & !1, next, state),
-                Known::Either(one, another) => {
-                    let mut behind = self.call(one & !1, next, state.clone())?;
-                    behind.extend(self.call(another & !1, next, state)?);
+                Known::OneOf(choice) => {
+                    let mut behind = Vec::new();
+                    for to in choice.iter() {
+                        behind.extend(self.call(to & !1, next, state.clone())?);
+                    }
                     return Ok(behind);
                 }
                 _ => bail!("it calls what r{register} holds, and nothing here tells what that is"),
