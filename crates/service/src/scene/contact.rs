@@ -2,8 +2,6 @@
 
 use super::Scene;
 use crate::contact::{ContactCoefficients, ContactMemory};
-use crate::feedback::FeedbackCoefficients;
-use crate::homing::Plan;
 use crate::number::ServiceNumber;
 use crate::retreat::{NoRetreat, RetreatKind};
 
@@ -20,31 +18,9 @@ pub struct WithContact<'a, S: Scene, R = NoRetreat> {
 }
 
 impl<N: ServiceNumber, S: Scene<N = N>, R: RetreatKind> Scene for WithContact<'_, S, R> {
-    super::inner_scene!();
-    type Homing = S::Homing;
-    type Feedback = S::Feedback;
+    super::inner!(update, digital, levels, homing, feedback, interlocks);
     type Contact = ContactMemory<N>;
     type Retreat = R;
-    type Interlocks = S::Interlocks;
-
-    fn homing(&self) -> S::Homing {
-        self.scene.homing()
-    }
-
-    #[inline(always)]
-    fn plan(&self) -> Option<Plan<N>> {
-        self.scene.plan()
-    }
-
-    #[inline(always)]
-    fn interlocks(&self) -> S::Interlocks {
-        self.scene.interlocks()
-    }
-
-    #[inline(always)]
-    fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {
-        self.scene.feedback()
-    }
 
     #[inline(always)]
     fn contact(&self) -> Option<&ContactCoefficients<N>> {

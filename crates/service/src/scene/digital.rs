@@ -1,10 +1,7 @@
 //! A scene of a machine with spare inputs and outputs.
 
 use super::Scene;
-use crate::contact::ContactCoefficients;
 use crate::digital::{DigitalParameters, DigitalPorts};
-use crate::feedback::FeedbackCoefficients;
-use crate::homing::Plan;
 use crate::number::ServiceNumber;
 
 /// Scene `S` of a machine with spare inputs and outputs.
@@ -17,47 +14,11 @@ pub struct WithDigital<S> {
 }
 
 impl<N: ServiceNumber, S: Scene<N = N>> Scene for WithDigital<S> {
-    super::inner_updates!();
+    super::inner!(update, levels, homing, feedback, contact, interlocks);
     type Digital = DigitalPorts;
-    type Levels = S::Levels;
-    type Homing = S::Homing;
-    type Feedback = S::Feedback;
-    type Contact = S::Contact;
-    type Retreat = S::Retreat;
-    type Interlocks = S::Interlocks;
 
     #[inline(always)]
     fn digital(&self) -> DigitalParameters {
         self.parameters
-    }
-
-    #[inline(always)]
-    fn levels(&self) -> u16 {
-        self.scene.levels()
-    }
-
-    #[inline(always)]
-    fn homing(&self) -> S::Homing {
-        self.scene.homing()
-    }
-
-    #[inline(always)]
-    fn plan(&self) -> Option<Plan<N>> {
-        self.scene.plan()
-    }
-
-    #[inline(always)]
-    fn interlocks(&self) -> S::Interlocks {
-        self.scene.interlocks()
-    }
-
-    #[inline(always)]
-    fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {
-        self.scene.feedback()
-    }
-
-    #[inline(always)]
-    fn contact(&self) -> Option<&ContactCoefficients<N>> {
-        self.scene.contact()
     }
 }

@@ -1,8 +1,6 @@
 //! A scene with homing.
 
 use super::{Scene, Setup, Slot};
-use crate::contact::ContactCoefficients;
-use crate::feedback::FeedbackCoefficients;
 use crate::homing::{Cycle, HomingCoefficients, Plan};
 use crate::number::ServiceNumber;
 use trirrr_core::number::Arithmetic;
@@ -22,12 +20,8 @@ pub struct WithHoming<'a, S: Scene> {
 }
 
 impl<'a, N: ServiceNumber, S: Scene<N = N>> Scene for WithHoming<'a, S> {
-    super::inner_scene!();
+    super::inner!(update, digital, levels, feedback, contact, interlocks);
     type Homing = Option<Cycle<'a, N, OffsetMemory<S>>>;
-    type Feedback = S::Feedback;
-    type Contact = S::Contact;
-    type Retreat = S::Retreat;
-    type Interlocks = S::Interlocks;
 
     fn homing(&self) -> Self::Homing {
         self.homing.map(Cycle::new)
@@ -43,20 +37,5 @@ impl<'a, N: ServiceNumber, S: Scene<N = N>> Scene for WithHoming<'a, S> {
             rates: axes.map(|axis| axis.search),
             accelerations: axes.map(|axis| axis.acceleration),
         })
-    }
-
-    #[inline(always)]
-    fn interlocks(&self) -> S::Interlocks {
-        self.scene.interlocks()
-    }
-
-    #[inline(always)]
-    fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {
-        self.scene.feedback()
-    }
-
-    #[inline(always)]
-    fn contact(&self) -> Option<&ContactCoefficients<N>> {
-        self.scene.contact()
     }
 }

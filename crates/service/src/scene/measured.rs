@@ -1,9 +1,7 @@
 //! A scene whose drives tell where they are.
 
 use super::Scene;
-use crate::contact::ContactCoefficients;
 use crate::feedback::{DriveFeedback, FeedbackCoefficients};
-use crate::homing::Plan;
 use crate::number::ServiceNumber;
 
 /// Scene `S` of a machine whose drives tell where they are.
@@ -16,34 +14,11 @@ pub struct WithFeedback<'a, S: Scene> {
 }
 
 impl<N: ServiceNumber, S: Scene<N = N>> Scene for WithFeedback<'_, S> {
-    super::inner_scene!();
-    type Homing = S::Homing;
+    super::inner!(update, digital, levels, homing, contact, interlocks);
     type Feedback = DriveFeedback<N>;
-    type Contact = S::Contact;
-    type Retreat = S::Retreat;
-    type Interlocks = S::Interlocks;
-
-    fn homing(&self) -> S::Homing {
-        self.scene.homing()
-    }
-
-    #[inline(always)]
-    fn plan(&self) -> Option<Plan<N>> {
-        self.scene.plan()
-    }
-
-    #[inline(always)]
-    fn interlocks(&self) -> S::Interlocks {
-        self.scene.interlocks()
-    }
 
     #[inline(always)]
     fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {
         self.feedback
-    }
-
-    #[inline(always)]
-    fn contact(&self) -> Option<&ContactCoefficients<N>> {
-        self.scene.contact()
     }
 }

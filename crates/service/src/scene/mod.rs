@@ -7,10 +7,10 @@
 //! [`WithUpdate`] a program that can be replaced over the line. The choice
 //! is a type, so that a scene pays only for its own kind. Likewise the kinds of moves: cubics, or quintics beside them.
 
-/// Items of a [`Scene`] that adds nothing to those of its field `scene`, of type `S` in the number type `N`: everything but
-/// updates, spare inputs and outputs, power lists, homing, feedback, contacts, retreats and interlocks.
-macro_rules! inner_parts {
-    () => {
+/// Items of a [`Scene`] that are those of its field `scene`, of type `S` in the number type `N`: always the machine and what is replaced of
+/// it, and the named ones.
+macro_rules! inner {
+    ($($part:ident),*) => {
         type N = N;
         type Model = S::Model;
         type Slot = S::Slot;
@@ -53,14 +53,10 @@ macro_rules! inner_parts {
         ) {
             self.scene.adopt(changed, built, kept);
         }
-    };
-}
-use inner_parts;
 
-/// Items as those of `inner_parts`, and the updates.
-macro_rules! inner_updates {
-    () => {
-        $crate::scene::inner_parts!();
+        $($crate::scene::inner!(@$part);)*
+    };
+    (@update) => {
         type Update = S::Update;
 
         #[inline(always)]
@@ -76,13 +72,7 @@ macro_rules! inner_updates {
             self.scene.update_status()
         }
     };
-}
-use inner_updates;
-
-/// Items as those of `inner_updates`, and the spare inputs and outputs.
-macro_rules! inner_machine {
-    () => {
-        $crate::scene::inner_updates!();
+    (@digital) => {
         type Digital = S::Digital;
 
         #[inline(always)]
@@ -90,13 +80,7 @@ macro_rules! inner_machine {
             self.scene.digital()
         }
     };
-}
-use inner_machine;
-
-/// Items as those of `inner_machine`, and the power lists.
-macro_rules! inner_scene {
-    () => {
-        $crate::scene::inner_machine!();
+    (@levels) => {
         type Levels = S::Levels;
 
         #[inline(always)]
@@ -104,8 +88,45 @@ macro_rules! inner_scene {
             self.scene.levels()
         }
     };
+    (@homing) => {
+        type Homing = S::Homing;
+
+        fn homing(&self) -> S::Homing {
+            self.scene.homing()
+        }
+
+        #[inline(always)]
+        fn plan(&self) -> Option<$crate::homing::Plan<N>> {
+            self.scene.plan()
+        }
+    };
+    (@feedback) => {
+        type Feedback = S::Feedback;
+
+        #[inline(always)]
+        fn feedback(&self) -> Option<&$crate::feedback::FeedbackCoefficients<N>> {
+            self.scene.feedback()
+        }
+    };
+    (@contact) => {
+        type Contact = S::Contact;
+        type Retreat = S::Retreat;
+
+        #[inline(always)]
+        fn contact(&self) -> Option<&$crate::contact::ContactCoefficients<N>> {
+            self.scene.contact()
+        }
+    };
+    (@interlocks) => {
+        type Interlocks = S::Interlocks;
+
+        #[inline(always)]
+        fn interlocks(&self) -> S::Interlocks {
+            self.scene.interlocks()
+        }
+    };
 }
-use inner_scene;
+use inner;
 
 mod adjustable;
 mod compiled;
