@@ -49,12 +49,12 @@ impl SceneImage {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{Patience, UpdateAction, UpdateClient, UpdateFailure};
-    use std::time::Duration;
+    use crate::update_client::{OtherEnd, talk};
+    use crate::{Patience, UpdateClient, UpdateFailure};
     use trirrr_core::units::Units;
     use trirrr_protocol::message::{
-        Command, Message, Refusal, Reply, SCENE_KEYS, SceneNeed, SceneNeeds, SceneRoom,
-        UpdateOutcome, UpdateRefusal, UpdateStatus, UpdateStep,
+        Command, Refusal, Reply, SCENE_KEYS, SceneNeed, SceneNeeds, SceneRoom, UpdateOutcome,
+        UpdateRefusal, UpdateStatus, UpdateStep,
     };
     use trirrr_protocol::wire::of_bytes;
     use trirrr_scene::Scene;
@@ -99,6 +99,13 @@ mod tests {
             }
         }
 
+        fn take(&mut self, scene: SceneImage) -> Result<(), UpdateFailure<f64>> {
+            let mut client = UpdateClient::of_scene(scene, Patience::default(), 7);
+            talk(&mut client, self).expect("a result")
+        }
+    }
+
+    impl OtherEnd for BoardOfTests {
         fn answer(&mut self, command: &Command<f64>) -> Reply<f64> {
             match command {
                 Command::Hello(_) => {
@@ -140,26 +147,6 @@ mod tests {
                 }
                 other => panic!("{other:?}"),
             }
-        }
-
-        fn take(&mut self, scene: SceneImage) -> Result<(), UpdateFailure<f64>> {
-            let mut client = UpdateClient::of_scene(scene, Patience::default(), 7);
-            let mut now = Duration::ZERO;
-            for _ in 0..1000 {
-                match client.poll(now) {
-                    UpdateAction::Send(request) => {
-                        let message = Message::Reply {
-                            sequence: request.sequence,
-                            reply: self.answer(&request.command),
-                        };
-                        client.receive(&message, now);
-                    }
-                    UpdateAction::Wait(until) => now = until.max(now + Duration::from_millis(1)),
-                    UpdateAction::Lost => panic!("the board answers"),
-                    UpdateAction::Finished(result) => return result,
-                }
-            }
-            panic!("no end");
         }
     }
 

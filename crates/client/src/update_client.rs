@@ -421,6 +421,45 @@ impl<N: Transmit> UpdateClient<N> {
     }
 }
 
+/// Machine of a test, as an update sees it.
+#[cfg(test)]
+pub(crate) trait OtherEnd {
+    /// Answers a command.
+    fn answer(&mut self, command: &Command<f64>) -> Reply<f64>;
+
+    /// Returns true once the talk is over for the test.
+    fn is_enough(&self) -> bool {
+        false
+    }
+}
+
+/// Lets both talk until the end, or until the test has enough.
+#[cfg(test)]
+pub(crate) fn talk(
+    client: &mut UpdateClient<f64>,
+    machine: &mut impl OtherEnd,
+) -> Option<Result<(), UpdateFailure<f64>>> {
+    let mut now = Duration::ZERO;
+    for _ in 0..1000 {
+        match client.poll(now) {
+            UpdateAction::Send(request) => {
+                let message = Message::Reply {
+                    sequence: request.sequence,
+                    reply: machine.answer(&request.command),
+                };
+                client.receive(&message, now);
+            }
+            UpdateAction::Wait(until) => now = until.max(now + Duration::from_millis(1)),
+            UpdateAction::Lost => panic!("the machine answers"),
+            UpdateAction::Finished(result) => return Some(result),
+        }
+        if machine.is_enough() {
+            return None;
+        }
+    }
+    panic!("no end");
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -460,10 +499,12 @@ mod tests {
         received: u32,
         coming: Option<u32>,
         blocks: u32,
+        /// Blocks after which the talk is over.
+        most: u32,
         outcome: Option<UpdateOutcome>,
     }
 
-    impl Answering {
+    impl OtherEnd for Answering {
         fn answer(&mut self, command: &Command<f64>) -> Reply<f64> {
             match command {
                 Command::Hello(_) => Reply::Hello(crate::exchange::identity_of_tests(300)),
@@ -488,46 +529,25 @@ mod tests {
                 other => panic!("{other:?}"),
             }
         }
-    }
 
-    /// Lets both talk until the end, or until `blocks` blocks.
-    fn talk(
-        client: &mut UpdateClient<f64>,
-        machine: &mut Answering,
-        blocks: u32,
-    ) -> Option<Result<(), UpdateFailure<f64>>> {
-        let mut now = Duration::ZERO;
-        for _ in 0..1000 {
-            match client.poll(now) {
-                UpdateAction::Send(request) => {
-                    let message = Message::Reply {
-                        sequence: request.sequence,
-                        reply: machine.answer(&request.command),
-                    };
-                    client.receive(&message, now);
-                }
-                UpdateAction::Wait(until) => now = until.max(now + Duration::from_millis(1)),
-                UpdateAction::Lost => panic!("the machine answers"),
-                UpdateAction::Finished(result) => return Some(result),
-            }
-            if machine.blocks == blocks {
-                return None;
-            }
+        fn is_enough(&self) -> bool {
+            self.blocks == self.most
         }
-        panic!("no end");
     }
 
     #[test]
     fn an_image_goes_on_where_the_line_was_lost() {
         let mut client = UpdateClient::new(image(1000), Patience::default(), 7);
         let mut machine = Answering {
+            most: 3,
             outcome: Some(UpdateOutcome::Confirmed),
             ..Answering::default()
         };
-        assert_eq!(talk(&mut client, &mut machine, 3), None);
+        assert_eq!(talk(&mut client, &mut machine), None);
         assert_eq!(client.progress(), (3 * BLOCK as u32, 1000));
         client.reconnected();
-        assert_eq!(talk(&mut client, &mut machine, u32::MAX), Some(Ok(())));
+        machine.most = u32::MAX;
+        assert_eq!(talk(&mut client, &mut machine), Some(Ok(())));
         assert_eq!((machine.received, machine.blocks), (1000, 8));
     }
 
@@ -535,10 +555,11 @@ mod tests {
     fn a_board_that_went_back_is_told() {
         let mut client = UpdateClient::new(image(1000), Patience::default(), 7);
         let mut machine = Answering {
+            most: u32::MAX,
             outcome: Some(UpdateOutcome::Reverted),
             ..Answering::default()
         };
-        let result = talk(&mut client, &mut machine, u32::MAX);
+        let result = talk(&mut client, &mut machine);
         assert_eq!(result, Some(Err(UpdateFailure::Reverted)));
     }
 
