@@ -57,7 +57,7 @@ pub(crate) enum Needs {
     Bus,
     /// None: the image is replaced over the line.
     Update,
-    /// No drives at all.
+    /// No drives at all, and an image that stays.
     NoDrives,
     /// None: the image takes scenes over the line.
     SceneOverLine,
@@ -152,7 +152,8 @@ impl Subject {
             Needs::Steppers => matches!(kind, Some(DriveKind::Stepper(_))),
             Needs::Protection => self.has(Needs::Steppers) && self.kind == Kind::Stm32f405,
             Needs::Amplifiers => matches!(kind, Some(DriveKind::Bldc(_))),
-            Needs::NoDrives => kind.is_none(),
+            // The scene of an image that is replaced has small motors, which the random jobs ask too much of.
+            Needs::NoDrives => kind.is_none() && self.update.is_none(),
             // The loops of simulated drives take the gains of the scene.
             Needs::Bus => {
                 matches!(kind, Some(DriveKind::Can(_))) && self.scene.controller.is_some()
