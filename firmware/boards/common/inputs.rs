@@ -1,6 +1,7 @@
 //! Inputs of the tick: switches of homing, emergency stop, door, probe and limit switches, and spare inputs, all pulled up. An image leaves the pins
 //! alone whose inputs its scene does not name.
 
+use crate::board::InputPins;
 #[cfg(interlocks)]
 use crate::board::{Door, Limit1, Limit2, Limit3, Probe, Stop};
 #[cfg(homing)]
@@ -39,50 +40,49 @@ pub(crate) type BoardInputs = crate::digital::SensedInputs<Guarded>;
 #[cfg(not(digital))]
 pub(crate) type BoardInputs = Guarded;
 
-/// Pins of the inputs.
-pub(crate) struct InputPins {
-    #[cfg(homing)]
-    pub(crate) homing: (Homing1, Homing2, Homing3),
-    #[cfg(interlocks)]
-    pub(crate) contacts: (Stop, Door, Probe),
-    #[cfg(interlocks)]
-    pub(crate) limits: (Limit1, Limit2, Limit3),
-    #[cfg(digital)]
-    pub(crate) spare: crate::digital::InputPins,
-}
-
 /// Pulls the pins up that the scene names.
 pub(crate) fn build(pins: InputPins) -> BoardInputs {
     #[cfg(homing)]
     let homing = {
-        let (first, second, third) = pins.homing;
-        trirrr_app::inputs::HomingSwitches(first.pulled_up(), second.pulled_up(), third.pulled_up())
+        trirrr_app::inputs::HomingSwitches(
+            pins.homing_1.pulled_up(),
+            pins.homing_2.pulled_up(),
+            pins.homing_3.pulled_up(),
+        )
     };
     #[cfg(not(homing))]
     let homing = trirrr_app::inputs::NoInputs;
     #[cfg(interlocks)]
-    let inputs = {
-        let (stop, door, probe) = pins.contacts;
-        let (first, second, third) = pins.limits;
-        GuardedInputs {
-            homing,
-            contacts: (
-                StopLine::at(|| stop.pulled_up()),
-                DoorLine::at(|| door.pulled_up()),
-                ProbeLine::at(|| probe.pulled_up()),
-            ),
-            limits: LimitSwitches::at(
-                || first.pulled_up(),
-                || second.pulled_up(),
-                || third.pulled_up(),
-            ),
-        }
+    let inputs = GuardedInputs {
+        homing,
+        contacts: (
+            StopLine::at(|| pins.stop.pulled_up()),
+            DoorLine::at(|| pins.door.pulled_up()),
+            ProbeLine::at(|| pins.probe.pulled_up()),
+        ),
+        limits: LimitSwitches::at(
+            || pins.limit_1.pulled_up(),
+            || pins.limit_2.pulled_up(),
+            || pins.limit_3.pulled_up(),
+        ),
     };
     #[cfg(not(interlocks))]
     let inputs = homing;
     #[cfg(digital)]
-    let inputs = crate::digital::inputs(inputs, pins.spare);
+    let inputs = crate::digital::inputs(
+        inputs,
+        (
+            pins.input_1,
+            pins.input_2,
+            pins.input_3,
+            pins.input_4,
+            pins.input_5,
+            pins.input_6,
+            pins.input_7,
+            pins.input_8,
+        ),
+    );
     #[cfg(not(any(homing, interlocks, digital)))]
-    let _ = pins;
+    let InputPins {} = pins;
     inputs
 }

@@ -1,5 +1,6 @@
 //! Outputs of the tick: the drives, and beside them brake, tool, lamp and spare outputs, where the scene has them.
 
+use crate::board::OutputPins;
 use crate::drives::Drives;
 #[cfg(any(brake, lamp))]
 use crate::wiring::BoardPin;
@@ -25,30 +26,23 @@ type SparePart = ();
 /// Outputs of this image.
 pub(crate) type BoardOutputs = WithParts<Drives, (BrakePart, ToolPart, LampPart, SparePart)>;
 
-/// Drives and tool, which are off, and the pins beside them.
-pub(crate) struct OutputPins {
-    pub(crate) drives: Drives,
-    #[cfg(brake)]
-    pub(crate) brake: crate::board::Brake,
-    #[cfg(not(tool = "none"))]
-    pub(crate) tool: crate::tool::ToolPin,
-    #[cfg(lamp)]
-    pub(crate) lamp: crate::board::Lamp,
-    #[cfg(digital)]
-    pub(crate) spare: crate::digital::OutputPins,
-}
-
-/// Joins the outputs, all off.
-pub(crate) fn build(pins: OutputPins) -> BoardOutputs {
+/// Joins the outputs, all off, as drives and tool are. An image has the pins of its scene.
+pub(crate) fn build(
+    drives: Drives,
+    #[cfg(not(tool = "none"))] tool: crate::tool::ToolPin,
+    pins: OutputPins,
+) -> BoardOutputs {
+    #[cfg(not(any(brake, lamp, digital)))]
+    let OutputPins {} = pins;
     WithParts {
-        drives: pins.drives,
+        drives,
         parts: (
             #[cfg(brake)]
             BrakePart::new(pins.brake.output(false)),
             #[cfg(not(brake))]
             (),
             #[cfg(not(tool = "none"))]
-            trirrr_app::outputs::tool_line(pins.tool),
+            trirrr_app::outputs::tool_line(tool),
             #[cfg(tool = "none")]
             (),
             #[cfg(lamp)]
@@ -56,7 +50,16 @@ pub(crate) fn build(pins: OutputPins) -> BoardOutputs {
             #[cfg(not(lamp))]
             (),
             #[cfg(digital)]
-            crate::digital::outputs(pins.spare),
+            crate::digital::outputs((
+                pins.output_1,
+                pins.output_2,
+                pins.output_3,
+                pins.output_4,
+                pins.output_5,
+                pins.output_6,
+                pins.output_7,
+                pins.output_8,
+            )),
             #[cfg(not(digital))]
             (),
         ),

@@ -17,10 +17,10 @@ mod app {
     #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
     use crate::drives::Inbox;
     use crate::drives::{self, DriveTimer};
-    use crate::inputs::{self, BoardInputs, InputPins};
+    use crate::inputs::{self, BoardInputs};
     #[cfg(not(usb))]
     use crate::line::{LineReceiver, LineTransmitter};
-    use crate::outputs::{self, BoardOutputs, OutputPins};
+    use crate::outputs::{self, BoardOutputs};
     use crate::parts::{self, Watchdog};
     use crate::serial::{self, LogTransmitter};
     #[cfg(usb)]
@@ -114,45 +114,13 @@ mod app {
             };
             crate::tool::build(parts, &mut rcc)
         };
-        let outputs = outputs::build(OutputPins {
+        let outputs = outputs::build(
             drives,
-            #[cfg(brake)]
-            brake: pins.brake,
             #[cfg(not(tool = "none"))]
             tool,
-            #[cfg(lamp)]
-            lamp: pins.lamp,
-            #[cfg(digital)]
-            spare: (
-                pins.output_1,
-                pins.output_2,
-                pins.output_3,
-                pins.output_4,
-                pins.output_5,
-                pins.output_6,
-                pins.output_7,
-                pins.output_8,
-            ),
-        });
-        let inputs = inputs::build(InputPins {
-            #[cfg(homing)]
-            homing: (pins.homing_1, pins.homing_2, pins.homing_3),
-            #[cfg(interlocks)]
-            contacts: (pins.stop, pins.door, pins.probe),
-            #[cfg(interlocks)]
-            limits: (pins.limit_1, pins.limit_2, pins.limit_3),
-            #[cfg(digital)]
-            spare: (
-                pins.input_1,
-                pins.input_2,
-                pins.input_3,
-                pins.input_4,
-                pins.input_5,
-                pins.input_6,
-                pins.input_7,
-                pins.input_8,
-            ),
-        });
+            pins.outputs,
+        );
+        let inputs = inputs::build(pins.inputs);
         let watchdog = chip.watchdog.start();
         let clock = TickClock::start(context.core.SYST, period);
         let local = Local {

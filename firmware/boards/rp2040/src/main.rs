@@ -41,8 +41,8 @@ mod app {
     use super::board::{CRYSTAL_MHZ, FIRMWARE, LogPort, LogTransmit, Pins};
     use super::clock::{self, CORE_HZ};
     use super::drives::{self, DriveTimer};
-    use super::inputs::{self, BoardInputs, InputPins};
-    use super::outputs::{self, BoardOutputs, OutputPins};
+    use super::inputs::{self, BoardInputs};
+    use super::outputs::{self, BoardOutputs};
     use super::pins::Ports;
     use super::start;
     #[cfg(not(usb))]
@@ -152,45 +152,13 @@ mod app {
             enable: pins.tool_enable,
             slice: pins.tool_slice,
         });
-        let outputs = outputs::build(OutputPins {
+        let outputs = outputs::build(
             drives,
-            #[cfg(brake)]
-            brake: pins.brake,
             #[cfg(not(tool = "none"))]
             tool,
-            #[cfg(lamp)]
-            lamp: pins.lamp,
-            #[cfg(digital)]
-            spare: (
-                pins.output_1,
-                pins.output_2,
-                pins.output_3,
-                pins.output_4,
-                pins.output_5,
-                pins.output_6,
-                pins.output_7,
-                pins.output_8,
-            ),
-        });
-        let inputs = inputs::build(InputPins {
-            #[cfg(homing)]
-            homing: (pins.homing_1, pins.homing_2, pins.homing_3),
-            #[cfg(interlocks)]
-            contacts: (pins.stop, pins.door, pins.probe),
-            #[cfg(interlocks)]
-            limits: (pins.limit_1, pins.limit_2, pins.limit_3),
-            #[cfg(digital)]
-            spare: (
-                pins.input_1,
-                pins.input_2,
-                pins.input_3,
-                pins.input_4,
-                pins.input_5,
-                pins.input_6,
-                pins.input_7,
-                pins.input_8,
-            ),
-        });
+            pins.outputs,
+        );
+        let inputs = inputs::build(pins.inputs);
         watchdog.start(WATCHDOG_MS.millis());
         let clock = TickClock::start(context.core.SYST, const { period(CORE_HZ) });
         let local = Local {

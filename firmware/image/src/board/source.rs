@@ -71,8 +71,36 @@ const FIELDS: [(Role, &[&str]); 24] = [
 struct PinField<'b> {
     name: &'static str,
     pin: Option<&'b WiredPin>,
-    /// It is a pin of the drives, which have a struct of their own.
-    is_of_drives: bool,
+    group: PinGroup,
+}
+
+/// Struct that a field is in, by who takes its pins.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum PinGroup {
+    /// `Pins` itself.
+    Own,
+    Drives,
+    Inputs,
+    Outputs,
+}
+
+/// Groups with a struct of their own, its name, and that of its field in `Pins`.
+const STRUCTS: [(PinGroup, &str, &str); 3] = [
+    (PinGroup::Drives, "DrivePins", "drives"),
+    (PinGroup::Inputs, "InputPins", "inputs"),
+    (PinGroup::Outputs, "OutputPins", "outputs"),
+];
+
+impl PinGroup {
+    fn of(role: Role) -> Self {
+        match role {
+            Role::Homing | Role::Stop | Role::Door | Role::Probe => Self::Inputs,
+            Role::Limits | Role::Inputs => Self::Inputs,
+            Role::Brake | Role::Lamp | Role::Outputs => Self::Outputs,
+            _ if matches!(role.entry().table, "stepper" | "amplifier" | "can") => Self::Drives,
+            _ => Self::Own,
+        }
+    }
 }
 
 /// The fields of an image, and of no function that its scene lacks.
@@ -91,7 +119,7 @@ fn fields<'b>(board: &'b BoardFile, needs: &Needs) -> Vec<PinField<'b>> {
     let of_usb = board.usb.iter().map(|(name, pin)| PinField {
         name,
         pin: Some(pin),
-        is_of_drives: false,
+        group: PinGroup::Own,
     });
     let mut fields: Vec<_> = of_usb.collect();
     for (role, names) in FIELDS {
@@ -109,12 +137,13 @@ fn fields<'b>(board: &'b BoardFile, needs: &Needs) -> Vec<PinField<'b>> {
         } else {
             Vec::new()
         };
-        let is_of_drives = matches!(role.entry().table, "stepper" | "amplifier" | "can");
-        fields.extend(names.iter().zip(pins).map(|(name, pin)| PinField {
-            name,
-            pin,
-            is_of_drives,
-        }));
+        let group = PinGroup::of(role);
+        fields.extend(
+            names
+                .iter()
+                .zip(pins)
+                .map(|(name, pin)| PinField { name, pin, group }),
+        );
     }
     fields
 }
@@ -130,7 +159,7 @@ fn type_name(field: &str) -> String {
 
 /// The pins of an image as source: structs and the expressions that build them.
 struct Declared {
-    /// A type for each field, and the struct `DrivePins`.
+    /// A type for each field, and the structs of the groups.
     types: String,
     /// Fields of the struct `Pins`,
     fields: String,
@@ -145,32 +174,38 @@ fn declare(
     taken: impl Fn(&WiredPin) -> String,
 ) -> Declared {
     let mut types = String::new();
-    // Of `Pins`, and of `DrivePins`.
-    let mut declared = [String::new(), String::new()];
-    let mut values = [String::new(), String::new()];
     for field in fields {
-        let (of, value) = match field.pin {
-            Some(pin) if pin.inverted => (
-                format!("Inverted<{}>", pin_type(pin)),
-                format!("Inverted({})", taken(pin)),
-            ),
-            Some(pin) => (pin_type(pin), taken(pin)),
-            None => ("NoPin".into(), "NoPin".into()),
+        let of = match field.pin {
+            Some(pin) if pin.inverted => format!("Inverted<{}>", pin_type(pin)),
+            Some(pin) => pin_type(pin),
+            None => "NoPin".into(),
         };
-        let (name, alias) = (field.name, type_name(field.name));
-        let place = usize::from(field.is_of_drives);
-        types += &format!("pub(crate) type {alias} = {of};\n");
-        declared[place] += &format!("    pub(crate) {name}: {alias},\n");
-        values[place] += &format!("            {name}: {value},\n");
+        types += &format!("pub(crate) type {} = {of};\n", type_name(field.name));
     }
-    let [mut fields, of_drives] = declared;
-    let [mut own_values, drive_values] = values;
-    types += &format!("pub(crate) struct DrivePins {{\n{of_drives}}}\n");
-    fields += "    pub(crate) drives: DrivePins,\n";
-    own_values += &format!("            drives: DrivePins {{\n{drive_values}            }},\n");
+    let of_group = |group| {
+        let (mut declared, mut values) = (String::new(), String::new());
+        for field in fields.iter().filter(|field| field.group == group) {
+            let value = match field.pin {
+                Some(pin) if pin.inverted => format!("Inverted({})", taken(pin)),
+                Some(pin) => taken(pin),
+                None => "NoPin".into(),
+            };
+            let (name, alias) = (field.name, type_name(field.name));
+            declared += &format!("    pub(crate) {name}: {alias},\n");
+            values += &format!("            {name}: {value},\n");
+        }
+        (declared, values)
+    };
+    let (mut own, mut own_values) = of_group(PinGroup::Own);
+    for (group, name, field) in STRUCTS {
+        let (declared, values) = of_group(group);
+        types += &format!("pub(crate) struct {name} {{\n{declared}}}\n");
+        own += &format!("    pub(crate) {field}: {name},\n");
+        own_values += &format!("            {field}: {name} {{\n{values}            }},\n");
+    }
     Declared {
         types,
-        fields,
+        fields: own,
         values: own_values,
     }
 }
