@@ -11,7 +11,7 @@ pub(super) enum Known {
     Nothing,
     Constant(u32),
     /// One of several constants: ways that set them have joined.
-    OneOf(Choice),
+    OneOf(Constants),
     /// So many bytes below where the stack was at the function's entry.
     Stack(i32),
     /// This, plus something.
@@ -32,7 +32,7 @@ impl Known {
 
     /// Keeps what holds of both.
     fn meet(self, other: Self) -> Self {
-        match (self.choice(), other.choice()) {
+        match (self.constants(), other.constants()) {
             _ if self == other => self,
             (Some(one), Some(another)) => one.or(another).map_or(Self::Nothing, Self::OneOf),
             _ => Self::Nothing,
@@ -40,30 +40,30 @@ impl Known {
     }
 
     /// Returns the constants that it may be.
-    fn choice(self) -> Option<Choice> {
+    fn constants(self) -> Option<Constants> {
         match self {
-            Self::Constant(value) => Some(Choice {
+            Self::Constant(value) => Some(Constants {
                 values: [value; MOST],
                 count: 1,
             }),
-            Self::OneOf(choice) => Some(choice),
+            Self::OneOf(constants) => Some(constants),
             _ => None,
         }
     }
 }
 
-/// Most constants of a [`Choice`].
+/// Most constants of a [`Constants`].
 const MOST: usize = 4;
 
 /// Different constants in ascending order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Choice {
+pub(super) struct Constants {
     /// Those behind the `count` are as the first.
     values: [u32; MOST],
     count: usize,
 }
 
-impl Choice {
+impl Constants {
     pub(super) fn iter(&self) -> impl Iterator<Item = u32> + use<> {
         self.values.into_iter().take(self.count)
     }

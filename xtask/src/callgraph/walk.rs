@@ -131,9 +131,9 @@ impl<'a> Walk<'a> {
             Flow::Call(to) => return self.call(to, next, state),
             Flow::CallRegister(register) => match state.get(register) {
                 Known::Constant(to) => return self.call(to & !1, next, state),
-                Known::OneOf(choice) => {
+                Known::OneOf(constants) => {
                     let mut behind = Vec::new();
-                    for to in choice.iter() {
+                    for to in constants.iter() {
                         behind.extend(self.call(to & !1, next, state.clone())?);
                     }
                     return Ok(behind);
