@@ -1,0 +1,22 @@
+//! Commands of `trirrr`: what they print and write, and what they refuse. `stream` has tests of its own.
+
+mod assemble;
+mod calibrate;
+mod common;
+mod contract;
+mod design;
+mod eval;
+mod figures;
+mod first_steps;
+mod grbl;
+mod jobs;
+mod linkage;
+mod plant;
+mod raster;
+mod redundant;
+mod results;
+mod run;
+mod study;
+mod tolerances;
+mod tutorial;
+mod ui;
