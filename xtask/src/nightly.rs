@@ -197,6 +197,7 @@ fn steps() -> Result<Vec<Step>> {
             "emulated boards of all scenes, in fixed point too",
             &["emulate", "--fixed"],
         )?,
+        Step::chore("the image for the STM32G474", &["g474"])?,
         Step::cargo(
             "the model of the registers",
             &[
@@ -341,6 +342,8 @@ fn steps() -> Result<Vec<Step>> {
     )?);
     let raster = ["emulate", "--part", "raster", "--seconds", "600"];
     steps.push(Step::chore("a raster image of ten minutes", &raster)?);
+    let failures = ["emulate", "--part", "failures"];
+    steps.push(Step::chore("injected failures", &failures)?);
     steps.push(Step::chore(
         "torques of MuJoCo and Pinocchio",
         &["simulators"],

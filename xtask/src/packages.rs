@@ -16,7 +16,8 @@ pub(crate) const DEVICE_PACKAGES: [(&str, &str); 5] = [
 ];
 
 /// Packages whose dependencies take long to compile: `cargo xtask nightly` checks them.
-pub(crate) const NIGHTLY_PACKAGES: [&str; 4] = [
+pub(crate) const NIGHTLY_PACKAGES: [&str; 5] = [
+    "trirrr-foxglove",
     "trirrr-images",
     "trirrr-oracle",
     "trirrr-tick-time",
