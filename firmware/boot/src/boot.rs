@@ -1,7 +1,7 @@
 //! Start of the board: what is left of an update, then the program.
 
-use crate::journal::{self, JournalError, Stage, WholeImage, append};
 use crate::flash::program_unit;
+use crate::journal::{self, JournalError, Stage, WholeImage, append};
 use crate::{Flash, FlashError, FlashUnit, Layout, Slot, checksum_behind};
 
 /// Program that the boot loader starts.

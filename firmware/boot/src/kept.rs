@@ -4,8 +4,8 @@
 //! once its last unit is there. New content goes into the slot that does not count: the other stays whole until then.
 
 use crate::boot::is_whole;
-use crate::journal::WholeImage;
 use crate::flash::{program_bytes, read_bytes};
+use crate::journal::WholeImage;
 use crate::{Flash, FlashError, Slot, checksum_behind};
 
 /// Words of a record: one that stays erased, number, owner, length and checksum of the content, and checksum of these four. With the first

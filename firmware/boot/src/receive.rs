@@ -1,7 +1,7 @@
 //! Image, or other content, that comes over the line, block by block.
 
-use crate::journal::{self, JournalError, WholeImage};
 use crate::flash::program_unit;
+use crate::journal::{self, JournalError, WholeImage};
 use crate::{Flash, FlashError, FlashUnit, Layout, Slot, checksum_behind};
 
 /// Reason for which a part of an image is not taken.

@@ -8,7 +8,11 @@ use trirrr_boot::{FlashError, FlashUnit as _, ReceiveError, Receiver, boot, keep
 const OWNER: u32 = 0x1234_5678;
 
 /// Takes `content` as a program does.
-fn take<C: ChipCells>(flash: &mut CutFlash<C>, content: &[u8], owner: u32) -> Result<(), ReceiveError> {
+fn take<C: ChipCells>(
+    flash: &mut CutFlash<C>,
+    content: &[u8],
+    owner: u32,
+) -> Result<(), ReceiveError> {
     let slot = spare(flash, &C::LAYOUT.scenes, owner);
     let mut receiver = Receiver::NONE;
     receiver.begin(slot.room(), image(content))?;
@@ -62,7 +66,10 @@ fn a_cut_anywhere_leaves_the_old_content_or_the_new_one<C: ChipCells>() {
     take(&mut whole, &new, OWNER).expect("a flash with power");
     let operations = whole.operations;
     // An erasure, 24 bytes of content, a record of five words behind one that stays erased.
-    assert_eq!(operations, 1 + 24 / C::Unit::BYTES + 20u32.div_ceil(C::Unit::BYTES));
+    assert_eq!(
+        operations,
+        1 + 24 / C::Unit::BYTES + 20u32.div_ceil(C::Unit::BYTES)
+    );
     for seed in 0..200 {
         for cut in 0..operations {
             let mut flash = first.clone();
@@ -143,7 +150,9 @@ fn content_has_the_room_of_a_slot_without_its_record<C: ChipCells>() {
     assert_eq!(contents(&flash, OWNER), [longest]);
     let longer = take(&mut flash, &vec![1; room + 1], OWNER);
     assert_eq!(longer, Err(ReceiveError::Length));
-    let kept = kept(&flash, &C::LAYOUT.scenes, OWNER).next().expect("content");
+    let kept = kept(&flash, &C::LAYOUT.scenes, OWNER)
+        .next()
+        .expect("content");
     assert_eq!(kept.read(&flash, &mut [0; 39]), None);
 }
 
