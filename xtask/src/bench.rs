@@ -28,7 +28,7 @@ const SCENES: [&str; 6] = [
 ];
 
 /// An image that is replaced over the line, and the one that takes its place.
-const UPDATED: [&str; 2] = [
+pub(crate) const UPDATED: [&str; 2] = [
     "tests/mcu-bench/scenes/updated.toml",
     "tests/mcu-bench/scenes/other.toml",
 ];
