@@ -135,9 +135,11 @@ impl FlashRegisters for F405Flash {
         time
     }
 
-    fn tell_lost(&mut self, _: u32) -> bool {
+    fn has_check_bits(&self) -> bool {
         false
     }
+
+    fn tell_lost(&mut self, _: u32) {}
 }
 
 #[cfg(test)]

@@ -165,10 +165,13 @@ impl FlashRegisters for G474Flash {
         }
     }
 
-    fn tell_lost(&mut self, address: u32) -> bool {
+    fn has_check_bits(&self) -> bool {
+        true
+    }
+
+    fn tell_lost(&mut self, address: u32) {
         let (bank, offset) = ((address - FLASH) / BANK, (address - FLASH) % BANK);
         self.check |= LOST | bank << 21 | offset;
-        true
     }
 }
 
@@ -273,7 +276,7 @@ mod tests {
     #[test]
     fn a_lost_double_word_is_told_until_the_flag_is_cleared() {
         let mut flash = G474Flash::new();
-        assert!(flash.tell_lost(0x0805_4008));
+        flash.tell_lost(0x0805_4008);
         assert_eq!(flash.read(0x18, 0), Some(LOST | 1 << 21 | 0x1_4008));
         flash.write(0x18, LOST, 0);
         assert_eq!(flash.read(0x18, 0).map(|check| check & LOST), Some(0));

@@ -66,8 +66,10 @@ trait FlashRegisters {
     fn store(&mut self, store: Store, now: Time) -> StoreEffect;
     /// Begins an operation at `place` that lasts for `time`. Returns the time for which a processor stands that executes at `executes_at`.
     fn begin(&mut self, place: u32, time: Time, now: Time, executes_at: u32) -> Time;
-    /// Tells that a double word is read whose content is lost. Returns `false` for a chip that does not know.
-    fn tell_lost(&mut self, address: u32) -> bool;
+    /// Returns true if double words have check bits, which tell that their content is lost.
+    fn has_check_bits(&self) -> bool;
+    /// Tells that a double word is read whose content is lost.
+    fn tell_lost(&mut self, address: u32);
 }
 
 /// Consequence of a write to a register for the board.
@@ -144,8 +146,10 @@ impl FlashControl {
     /// Makes the double word at `address` lost, for a flash that can tell.
     pub(crate) fn lose(&mut self, address: u32) {
         let address = address / CHECKED * CHECKED;
-        self.torn.insert(address);
-        self.lost.insert(address);
+        if self.registers.has_check_bits() {
+            self.torn.insert(address);
+            self.lost.insert(address);
+        }
     }
 
     /// Addresses of the double words that are lost.
@@ -156,7 +160,11 @@ impl FlashControl {
     /// The processor reads at `address`. Returns `true` if the flash tells that the content is lost.
     pub(crate) fn is_told_lost(&mut self, address: u32) -> bool {
         let address = address / CHECKED * CHECKED;
-        self.lost.contains(&address) && self.registers.tell_lost(address)
+        let is_lost = self.lost.contains(&address);
+        if is_lost {
+            self.registers.tell_lost(address);
+        }
+        is_lost
     }
 
     pub(crate) fn read(&self, offset: u32, now: Time) -> Option<u32> {
@@ -275,22 +283,28 @@ impl FlashControl {
         torn
     }
 
-    /// Content of a sector that is erased by half: double words that are erased, as before, lost, or seem to be erased.
+    /// Content of a sector that is erased by half: parts that are erased, as before, lost, or seem to be erased. Of a page they are double
+    /// words.
     fn torn_sector(&mut self, start: u32, bytes: u32) -> Vec<Content> {
+        let part = CHECKED.max(bytes / 256);
         let mut content = Vec::new();
-        for address in (start..start + bytes).step_by(CHECKED as usize) {
+        for address in (start..start + bytes).step_by(part as usize) {
+            let erased = (address, vec![0xFF; part as usize]);
             match self.random() % 4 {
                 0 => {
                     self.torn.remove(&address);
                     self.lost.remove(&address);
-                    content.push((address, vec![0xFF; 8]));
+                    content.push(erased);
                 }
                 1 => {}
-                2 => content.push((address, self.torn_unit(address, &[0; 8]))),
+                2 => {
+                    let cleared = vec![0; part as usize];
+                    content.push((address, self.torn_unit(address, &cleared)));
+                }
                 _ => {
+                    self.lose(address);
                     self.lost.remove(&address);
-                    self.torn.insert(address);
-                    content.push((address, vec![0xFF; 8]));
+                    content.push(erased);
                 }
             }
         }
