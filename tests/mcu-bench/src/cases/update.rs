@@ -6,6 +6,7 @@ use crate::cpu::{Board, Hang, load};
 use crate::host::{HostLine, LOOK};
 use crate::time::{MS, SECOND, Time, seconds};
 use anyhow::{Context, Result, bail, ensure};
+use std::cell::Cell;
 use std::path::Path;
 use std::time::Duration;
 use trirrr_boot::Slot;
@@ -127,6 +128,9 @@ pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
     rows.extend(is_for_another_board(subject, &other)?);
     rows.push(is_for_another_chip(subject, &other)?);
     rows.extend(loses_power(subject, &other, operations)?);
+    if subject.kind == Kind::Stm32g474 {
+        rows.push(has_hole(subject, &other)?);
+    }
     Ok(rows)
 }
 
@@ -300,6 +304,27 @@ fn is_for_another_chip(subject: &Subject, other: &[u8]) -> Result<Row> {
         "image for another chip",
         text,
         &described(refused),
+    ))
+}
+
+/// A double word of the running program is lost: its version, which a hello reads. Boot loader and start do not.
+fn has_hole(subject: &Subject, other: &[u8]) -> Result<Row> {
+    let mut board = subject.switch_on()?;
+    board.run(100 * MS)?;
+    let program = subject.kind.layout().program;
+    let own = content(&subject.image, &program)?;
+    let version = label(&own)? + IMAGE_MARK.len();
+    board.damage(program.start + version as u32)?;
+    let mut host = Updater::new(image(subject, other)?);
+    let looks = Cell::new(0);
+    host.run(&mut board, |_| looks.replace(looks.get() + 1) > 1000)?;
+    let resets: Vec<ResetCause> = board.resets.iter().map(|(_, cause)| *cause).collect();
+    let first = resets.get(..2).unwrap_or(&resets);
+    Ok(fact(
+        CASE,
+        "a hole in the running program: resets",
+        format!("{first:?}"),
+        "[Power, Software]",
     ))
 }
 
