@@ -73,7 +73,7 @@ fn link() -> Result<(), Box<dyn Error>> {
     let here = env::var("CARGO_MANIFEST_DIR")?;
     if is_updated && !Path::new(&here).join(UPDATED).exists() {
         return Err(format!(
-            "update = true in [service]: {package} has no boot loader; boards with an STM32F405 have one"
+            "update = true in [service]: {package} has no boot loader; boards with an STM32F405 or an STM32G474 have one"
         )
         .into());
     }

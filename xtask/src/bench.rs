@@ -28,7 +28,7 @@ const SCENES: [&str; 6] = [
 ];
 
 /// An image that is replaced over the line, and the one that takes its place.
-const UPDATED: [&str; 2] = [
+pub(crate) const UPDATED: [&str; 2] = [
     "tests/mcu-bench/scenes/updated.toml",
     "tests/mcu-bench/scenes/other.toml",
 ];
@@ -113,10 +113,13 @@ fn check(arguments: &BenchArgs, bench: &Path, scene: &SceneFile) -> Result<()> {
     if Scene::read(&scene.path)?.service.update {
         let other = repository::root().join(UPDATED[1]).display().to_string();
         for other in repository::scenes_named(&[other])? {
-            command.arg("--other");
-            command.arg(Image::firmware(&other, SCALAR).build()?);
+            let other = match is_for_g474 {
+                true => Image::g474(&other, SCALAR),
+                false => Image::firmware(&other, SCALAR),
+            };
+            command.arg("--other").arg(other.build()?);
         }
-        command.arg("--boot").arg(boot::build()?);
+        command.arg("--boot").arg(boot::build_for(&image)?);
     }
     for case in &arguments.case {
         command.args(["--case", case]);

@@ -1,30 +1,60 @@
-//! `cargo xtask boot`: builds the boot loader of the STM32F405, checks that it can boot, and prints its size.
+//! `cargo xtask boot`: builds the boot loaders of the STM32F405 and of the STM32G474, checks that they can boot, and prints their sizes.
 
-use crate::boards::{FIRMWARE_MEMORY, FIRMWARE_TARGET};
-use crate::elf::{Footprint, check_boot, footprint, with_elf};
-use crate::image::PROFILE;
+use crate::boards::FIRMWARE_TARGET;
+use crate::elf::{Footprint, Memory, check_boot, footprint, with_elf};
+use crate::image::{Image, PROFILE};
 use crate::repository::{cargo, target_directory};
 use anyhow::{Context, Result, ensure};
 use std::path::PathBuf;
 
+/// Bytes that a boot loader has, in front of its layout's slots.
+const ROOM: u64 = 16 * 1024;
+
+/// Boot loader: chip, program, and the package of the images that it starts.
+const LOADERS: [(&str, &str, &str); 2] = [
+    ("STM32F405", "trirrr-boot", "trirrr-stm32f405"),
+    ("STM32G474", "trirrr-boot-g474", "trirrr-stm32g474"),
+];
+
 pub(crate) fn run() -> Result<()> {
-    let file = build()?;
-    let Footprint { flash, ram } = with_elf(&file, |elf| {
-        check_boot(elf, FIRMWARE_MEMORY)?;
-        Ok(footprint(elf))
-    })?;
-    println!("boot loader of the STM32F405: {flash} of 16384 bytes of flash, {ram} of RAM");
+    build_loaders()?;
+    for (chip, program, package) in LOADERS {
+        let memory = Image::memory_of(package);
+        let memory = Memory {
+            flash: (memory.flash.0, ROOM),
+            ..memory
+        };
+        let Footprint { flash, ram } = with_elf(&built(program), |elf| {
+            check_boot(elf, memory)?;
+            Ok(footprint(elf))
+        })?;
+        println!("boot loader of the {chip}: {flash} of {ROOM} bytes of flash, {ram} of RAM");
+    }
     Ok(())
 }
 
-/// Builds the boot loader; its image. Alone: beside a board's package it would have the vectors of that.
-pub(crate) fn build() -> Result<PathBuf> {
+/// Builds the boot loaders; the image of the one that starts this `image`.
+pub(crate) fn build_for(image: &Image) -> Result<PathBuf> {
+    build_loaders()?;
+    let of = LOADERS
+        .iter()
+        .find(|(_, _, package)| *package == image.package);
+    let (_, program, _) = of.with_context(|| format!("{}: no boot loader", image.package))?;
+    Ok(built(program))
+}
+
+/// Alone: beside a board's package they would have the vectors of that.
+fn build_loaders() -> Result<()> {
     let status = cargo()
         .args(["build", "--quiet", "-p", "trirrr-boot"])
         .args(["--target", FIRMWARE_TARGET, "--profile", PROFILE])
         .status()
         .context("cargo cannot be run")?;
-    ensure!(status.success(), "the boot loader does not build");
+    ensure!(status.success(), "the boot loaders do not build");
+    Ok(())
+}
+
+fn built(program: &str) -> PathBuf {
     let folder = target_directory().join(FIRMWARE_TARGET).join(PROFILE);
-    Ok(folder.join("trirrr-boot"))
+    folder.join(program)
 }

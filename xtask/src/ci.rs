@@ -102,7 +102,7 @@ fn stages() -> Result<Vec<Stage>> {
     let mut tests = vec![Step::on_host("tests", "test", &["--no-fail-fast"])];
     tests.extend(examples(&packages));
     let mut images = lints_of_devices();
-    images.push(Step::chore("the boot loader", &["boot"])?);
+    images.push(Step::chore("the boot loaders", &["boot"])?);
     images.extend(figures()?);
     images.extend(releases(&packages));
 

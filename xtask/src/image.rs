@@ -86,7 +86,12 @@ impl<'a> Image<'a> {
 
     /// Memory of the board that the image is for.
     pub(crate) fn memory(&self) -> Memory {
-        match self.package {
+        Self::memory_of(self.package)
+    }
+
+    /// Memory of the board of a package.
+    pub(crate) fn memory_of(package: &str) -> Memory {
+        match package {
             "trirrr-rp2040" => RP2040_MEMORY,
             "trirrr-stm32g474" => G474_MEMORY,
             _ => FIRMWARE_MEMORY,

@@ -62,7 +62,7 @@ enum Chore {
     G474,
     /// Boot the firmware in QEMU, play jobs on it with every client, compare every sample
     Emulate(emulate::EmulateArgs),
-    /// Build the boot loader of the STM32F405, check that it can boot, print its size
+    /// Build the boot loaders of the STM32F405 and the STM32G474, check that they can boot, print their sizes
     Boot,
     /// Execute the firmware with a model of its registers, check pins and times of drives and tool
     Bench(bench::BenchArgs),

@@ -1,6 +1,9 @@
 //! `cargo xtask nightly`: checks that take long and rarely fail, up to the first failure.
 
+use crate::bench::UPDATED;
+use crate::boards::FIRMWARE_TARGET;
 use crate::ci::with_oldest_toolchain;
+use crate::image::PROFILE;
 use crate::packages::{NIGHTLY_PACKAGES, Package};
 use crate::repository::target_directory;
 use crate::steps::{self, Step};
@@ -46,6 +49,26 @@ fn over_usb(alias: &str) -> Step {
     step.command
         .env("LINE", "usb")
         .env("SCENE", "scenes/thesis.toml");
+    step
+}
+
+/// Images that CI does not lint: package and scene. Scenes over the line with steppers, homing and a tool, and with amplifiers and feedback;
+/// an update of the STM32G474; classic CAN on it.
+const LINTED: [(&str, &str); 4] = [
+    ("trirrr-stm32f405", "tests/mcu-bench/scenes/stepping.toml"),
+    ("trirrr-stm32f405", "tests/mcu-bench/scenes/amplified.toml"),
+    ("trirrr-stm32g474", "tests/mcu-bench/scenes/updated.toml"),
+    ("trirrr-stm32g474", "scenes/plant-odrive.toml"),
+];
+
+/// Lints of an image.
+fn lint_image((package, scene): (&str, &str)) -> Step {
+    let lints = ["clippy", "--quiet", "--profile", PROFILE];
+    let mut step = Step::cargo(format!("lints of {package} with {scene}"), &lints);
+    step.command
+        .args(["-p", package, "--target", FIRMWARE_TARGET])
+        .args(["--", "-Dwarnings"])
+        .env("SCENE", scene);
     step
 }
 
@@ -210,6 +233,11 @@ fn steps() -> Result<Vec<Step>> {
             ],
         ),
         Step::chore("pins of flashed images", &["bench"])?,
+        Step::chore("updates of the STM32G474", &["bench", "--g474", UPDATED[0]])?,
+        Step::chore(
+            "classic CAN of the STM32G474",
+            &["bench", "--g474", "plant-odrive"],
+        )?,
         Step::chore(
             "a bad line of the STM32G474",
             &[
@@ -311,6 +339,7 @@ fn steps() -> Result<Vec<Step>> {
             &["--release", "--test", "soak", "--", "--ignored"],
         ),
     ];
+    steps.extend(LINTED.map(lint_image));
     for package in NIGHTLY_PACKAGES {
         let lints = ["clippy", "--quiet", "-p", package, "--all-targets"];
         let mut lints = Step::cargo(format!("lints of {package}"), &lints);

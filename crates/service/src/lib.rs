@@ -95,7 +95,7 @@ pub use retreat::{NoRetreat, RetreatKind, Retreats, Trail};
 pub use scene::{
     Adjustable, Compiled, ImageSlot, NoSlot, Parts, Put, Scene, SceneValues, Setup, Slot,
     StepperValues, Take, WithContact, WithDigital, WithFeedback, WithHoming, WithInterlocks,
-    WithLevels, WithUpdate, needs_of_model,
+    WithLevels, WithUpdate, check_image, needs_of_model,
 };
 pub use service::{Played, Service};
 pub use settings::{PowerTimes, Reactions, SceneIdentity, Settings, StopCategory, key, name};

@@ -29,6 +29,8 @@ pub mod failure;
 mod fault_injection;
 #[cfg(target_os = "none")]
 mod heartbeat;
+#[cfg(all(target_os = "none", update))]
+mod image_flash;
 #[cfg(target_os = "none")]
 pub mod inputs;
 #[cfg(all(target_os = "none", lamp))]
@@ -65,6 +67,8 @@ pub mod usb;
 pub use background::Background;
 #[cfg(target_os = "none")]
 pub use heartbeat::WATCHDOG_MS;
+#[cfg(all(target_os = "none", update, feature = "stm32g474"))]
+pub use image_flash::is_lost_expected;
 #[cfg(all(target_os = "none", lamp))]
 pub use lamp::LampPin;
 #[cfg(target_os = "none")]

@@ -1,5 +1,6 @@
 //! Scene that has come over the line: kept in the flash, and played from the next start on in place of the image's own.
 
+use crate::image_flash::{ImageFlash, LAYOUT};
 #[cfg(feedback)]
 use crate::scene::FEEDBACK;
 #[cfg(homing)]
@@ -8,7 +9,11 @@ use crate::scene::HOMING;
 use crate::scene::{CONTACT, PERIOD_S};
 use crate::scene::{Curves, Model, Planner, SCENE_OWNER, SETTINGS, START, Scalar, TYPES};
 use crate::scene::{LIMITS, PARAMETERS};
-use crate::update::{LAYOUT, StandingFlash, flash_refusal};
+use crate::update::flash_refusal;
+#[cfg(drive = "stepper")]
+use core::cell::Cell;
+#[cfg(drive = "stepper")]
+use cortex_m::interrupt::{self, Mutex};
 use trirrr_boot::{Slot, WholeImage, keep, kept, read, spare};
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::Parameters;
@@ -47,13 +52,13 @@ pub(crate) fn room_for(header: &SceneHeader) -> Result<(Slot, u32), UpdateRefusa
     if header.layout != ROOM.layout {
         return Err(UpdateRefusal::SceneLayout);
     }
-    let slot = spare(&StandingFlash::take(), &LAYOUT.scenes, SCENE_OWNER);
+    let slot = spare(&ImageFlash::take(), &LAYOUT.scenes, SCENE_OWNER);
     Ok((slot, ROOM.room))
 }
 
 /// Checks the values in `slot`, and keeps them: the next start takes them.
 pub(crate) fn keep_values(
-    flash: &mut StandingFlash,
+    flash: &mut ImageFlash,
     slot: &Slot,
     content: WholeImage,
 ) -> Result<(), UpdateRefusal> {
@@ -81,7 +86,7 @@ fn values(bytes: &[u8]) -> Result<SceneValues, UpdateRefusal> {
 /// The newest scene in the flash that this image can play.
 #[inline(never)]
 fn stored() -> Option<SceneValues> {
-    let flash = StandingFlash::take();
+    let flash = ImageFlash::take();
     let mut room = [0; SceneValues::LONGEST];
     kept(&flash, &LAYOUT.scenes, SCENE_OWNER)
         .find_map(|kept| values(kept.read(&flash, &mut room)?).ok())
@@ -99,6 +104,20 @@ pub(crate) struct PlayedScene {
     pub(crate) feedback: &'static FeedbackCoefficients<Scalar>,
     #[cfg(contact)]
     pub(crate) contact: &'static ContactCoefficients<Scalar>,
+}
+
+/// Steps in a turn of each joint, and the motors that turn against theirs.
+#[cfg(drive = "stepper")]
+type Steps = ([StepsPerTurn; 3], [bool; 3]);
+
+/// Those of the scene in the flash, once it is played.
+#[cfg(drive = "stepper")]
+static STEPS: Mutex<Cell<Option<Steps>>> = Mutex::new(Cell::new(None));
+
+/// Steps of the scene that is played. `None` for those of the image.
+#[cfg(drive = "stepper")]
+pub(crate) fn steps() -> Option<Steps> {
+    interrupt::free(|token| STEPS.borrow(token).get())
 }
 
 /// The image's own scene.
@@ -148,6 +167,13 @@ fn build(values: &SceneValues) -> Option<PlayedScene> {
         let built = ContactCoefficients::build(&values.contact?, PERIOD_S)?;
         cortex_m::singleton!(: ContactCoefficients<Scalar> = built)?
     };
+    #[cfg(drive = "stepper")]
+    {
+        let steppers = values.steppers?;
+        let per_turn = steppers.map(|motor| StepsPerTurn::new(motor.microsteps, motor.gear_ratio));
+        let steps = (per_turn, steppers.map(|motor| motor.reversed));
+        interrupt::free(|token| STEPS.borrow(token).set(Some(steps)));
+    }
     Some(PlayedScene {
         parameters,
         limits: values.limits(),
@@ -160,12 +186,4 @@ fn build(values: &SceneValues) -> Option<PlayedScene> {
         #[cfg(contact)]
         contact,
     })
-}
-
-/// Steps in a turn of each joint, and the motors that turn against theirs.
-#[cfg(drive = "stepper")]
-pub(crate) fn steps() -> Option<([StepsPerTurn; 3], [bool; 3])> {
-    let steppers = stored()?.steppers?;
-    let per_turn = steppers.map(|motor| StepsPerTurn::new(motor.microsteps, motor.gear_ratio));
-    Some((per_turn, steppers.map(|motor| motor.reversed)))
 }

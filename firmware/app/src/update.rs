@@ -1,24 +1,20 @@
-//! Update over the line, on the STM32F405: the image goes into the slot of the new one, and the boot loader installs it. Values of a
+//! Update over the line: the image goes into the slot of the new one, and the boot loader installs it. Values of a
 //! scene go into one of two slots of their own, of an image that takes them.
-#![allow(unsafe_code)]
 
 use crate::heartbeat;
+use crate::image_flash::{ImageFlash, LAYOUT};
 use crate::scene::TICK_RATE_HZ;
 #[cfg(scene_over_line)]
 use crate::stored_scene;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
-use cortex_m::peripheral::{SCB, SYST};
-use trirrr_boot::stm32f405::{ChipFlash, watchdog};
+use cortex_m::peripheral::SCB;
 use trirrr_boot::{
-    Flash, FlashError, JournalError, Layout, ReceiveError, Receiver, Slot, Stage, WholeImage,
-    confirm, stage,
+    FlashError, JournalError, ReceiveError, Receiver, Slot, Stage, WholeImage, confirm, stage,
 };
 use trirrr_protocol::message::{
     Firmware, ImageHeader, SceneHeader, UpdateOutcome, UpdateRefusal, UpdateStatus, UpdateStep,
 };
-use trirrr_service::ImageSlot;
-
-pub(crate) const LAYOUT: Layout = Layout::STM32F405;
+use trirrr_service::{ImageSlot, check_image};
 
 /// Ticks from the answer to a restart until it: all answers are out.
 const RESTART_TICKS: u32 = (TICK_RATE_HZ / 10.0) as u32 + 1;
@@ -43,43 +39,6 @@ impl ImageLabel {
             mark: *trirrr_protocol::message::IMAGE_MARK,
             firmware,
         }
-    }
-}
-
-/// Flash whose sectors are erased while the program stands: the chip has one bank, from which the program runs.
-pub(crate) struct StandingFlash(ChipFlash);
-
-impl StandingFlash {
-    /// Only for the background, for the time of a request, and for the start.
-    pub(crate) fn take() -> Self {
-        // SAFETY: the start and then the background alone take it, one at a time, and the slots hold no code that runs.
-        Self(unsafe { ChipFlash::take() })
-    }
-}
-
-impl Flash for StandingFlash {
-    fn word(&self, address: u32) -> u32 {
-        self.0.word(address)
-    }
-
-    /// Takes up to 2 s (DS8626, table 40). The watchdog has a longer period for this time, and no tick counts as late: the drives
-    /// are off.
-    fn erase(&mut self, sector: u8) -> Result<(), FlashError> {
-        cortex_m::interrupt::free(|_| {
-            let period = watchdog::set(watchdog::Period::LONGEST);
-            let result = self.0.erase(sector);
-            watchdog::set(period);
-            // SAFETY: a register that the tick's handler only reads, and no handler runs now. The count starts anew: the next tick is
-            // due in a whole period.
-            unsafe { (*SYST::PTR).cvr.write(0) };
-            SCB::clear_pendst();
-            result
-        })
-    }
-
-    // 16 us: a tick that is due meanwhile comes so much later.
-    fn program(&mut self, address: u32, word: u32) -> Result<(), FlashError> {
-        self.0.program(address, word)
     }
 }
 
@@ -133,7 +92,7 @@ impl NewImage {
         Ok(())
     }
 
-    fn finish(&mut self, flash: &mut StandingFlash) -> Result<(), UpdateRefusal> {
+    fn finish(&mut self, flash: &mut ImageFlash) -> Result<(), UpdateRefusal> {
         #[cfg(scene_over_line)]
         if let Some(slot) = &self.scene {
             let values = self.receiver.whole();
@@ -147,17 +106,7 @@ impl NewImage {
     }
 
     fn begin(&mut self, header: &ImageHeader) -> Result<(), UpdateRefusal> {
-        let (own, new) = (self.firmware, &header.firmware);
-        if own.chip != new.chip {
-            return Err(UpdateRefusal::Chip);
-        }
-        if own.board != new.board {
-            return Err(UpdateRefusal::Board);
-        }
-        if header.start != LAYOUT.program.start {
-            let expected = LAYOUT.program.start;
-            return Err(UpdateRefusal::Start { expected });
-        }
+        check_image(header, self.firmware, LAYOUT.program.start)?;
         let image = WholeImage {
             length: header.length,
             checksum: header.checksum,
@@ -175,7 +124,7 @@ impl NewImage {
 
 impl ImageSlot for NewImage {
     fn step(&mut self, step: &UpdateStep) -> Result<(), UpdateRefusal> {
-        let mut flash = StandingFlash::take();
+        let mut flash = ImageFlash::take();
         match step {
             UpdateStep::Begin(header) => self.begin(header),
             UpdateStep::BeginScene(header) => self.begin_scene(header),
@@ -196,7 +145,7 @@ impl ImageSlot for NewImage {
     }
 
     fn status(&self) -> UpdateStatus {
-        let outcome = match stage(&StandingFlash::take(), &LAYOUT) {
+        let outcome = match stage(&ImageFlash::take(), &LAYOUT) {
             Stage::None => UpdateOutcome::Never,
             // The boot loader leaves none of the other two behind.
             Stage::Requested(_) | Stage::Saved | Stage::Installed => UpdateOutcome::Requested,
@@ -237,7 +186,7 @@ pub(crate) fn flash_refusal(FlashError { place, status }: FlashError) -> UpdateR
 /// Confirms the program that runs: a host understands it. Does nothing unless it is on trial.
 #[inline(never)]
 pub(crate) fn confirm_program() {
-    if confirm(&mut StandingFlash::take(), &LAYOUT).is_err() {
+    if confirm(&mut ImageFlash::take(), &LAYOUT).is_err() {
         // Nothing is lost: the next start goes back to the old program.
         defmt::error!("the new program cannot be confirmed");
     }

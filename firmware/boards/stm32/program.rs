@@ -3,6 +3,7 @@
 //! | priority | interrupt | task |
 //! |---|---|---|
 //! | above all | NMI, PVD | the crystal has stopped, the supply sags: outputs off, start anew; in images of an STM32F405 with drives or a tool |
+//! | above all | NMI | a double word of the flash is lost; in images of an STM32G474 that are replaced over the line |
 //! | highest | that of the CAN controller | a frame from a drive into its queue, in images for drives on the bus; not a task |
 //! | 4 | TIM7 | a slot of the step pulses, in images for steppers; a sample of the loops, in images for amplifiers |
 //! | 3 | LINE, that of the DMA of the line's receiver | a round of its ring is full |

@@ -1,7 +1,8 @@
 //! Start of the board: what is left of an update, then the program.
 
+use crate::flash::program_unit;
 use crate::journal::{self, JournalError, Stage, WholeImage, append};
-use crate::{Flash, FlashError, Layout, Slot, checksum_behind};
+use crate::{Flash, FlashError, FlashUnit, Layout, Slot, checksum_behind};
 
 /// Program that the boot loader starts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,6 +26,7 @@ pub fn boot<F: Flash>(flash: &mut F, layout: &Layout) -> Result<Started, Journal
             Stage::Requested(image) => {
                 // The program is not touched before its copy is whole.
                 let is_ready = is_whole(flash, &layout.new, image)
+                    && is_readable(flash, &layout.program)
                     && copy(flash, &layout.program, &layout.old).is_ok();
                 append(
                     flash,
@@ -64,33 +66,35 @@ pub fn boot<F: Flash>(flash: &mut F, layout: &Layout) -> Result<Started, Journal
 pub(crate) fn is_whole<F: Flash>(flash: &F, slot: &Slot, image: WholeImage) -> bool {
     let mut left = image.length;
     let mut sum = 0;
-    for address in slot.words(image.length) {
-        let bytes = flash.word(address).to_le_bytes();
-        let count = left.min(4);
-        sum = checksum_behind(sum, bytes.get(..count as usize).unwrap_or(&bytes));
+    for address in slot.units::<F::Unit>(image.length) {
+        let Some(unit) = flash.unit(address) else {
+            return false;
+        };
+        let bytes = unit.bytes();
+        let bytes = bytes.as_ref();
+        let count = left.min(F::Unit::BYTES);
+        sum = checksum_behind(sum, bytes.get(..count as usize).unwrap_or(bytes));
         left -= count;
     }
     left == 0 && image.length > 0 && sum == image.checksum
 }
 
-/// Copies a slot, and compares.
+/// Returns true if no content of the slot is lost.
+fn is_readable<F: Flash>(flash: &F, slot: &Slot) -> bool {
+    let mut units = slot.units::<F::Unit>(slot.bytes());
+    units.all(|address| flash.unit(address).is_some())
+}
+
+/// Copies a slot, and compares. Lost content is no part of an image whose checksum was compared: it lies behind its end, left by an image
+/// that did not come to its own. It stays erased in the copy.
 fn copy<F: Flash>(flash: &mut F, from: &Slot, to: &Slot) -> Result<(), FlashError> {
     for sector in to.sectors() {
         flash.erase(sector)?;
     }
-    for (from, to) in from.words(from.bytes()).zip(to.words(to.bytes())) {
-        let word = flash.word(from);
-        // What is erased needs no programming.
-        if word != u32::MAX {
-            flash.program(to, word)?;
-        }
-        let copied = flash.word(to);
-        if copied != word {
-            return Err(FlashError {
-                place: to,
-                status: copied,
-            });
-        }
+    let places = from.units::<F::Unit>(from.bytes());
+    for (from, to) in places.zip(to.units::<F::Unit>(to.bytes())) {
+        let unit = flash.unit(from).unwrap_or(F::Unit::ERASED);
+        program_unit(flash, to, unit)?;
     }
     Ok(())
 }

@@ -1,6 +1,7 @@
 //! Journal of updates: records that are appended, of which the last counts.
 
-use crate::{Flash, FlashError, Layout, Slot, checksum_behind};
+use crate::flash::{program_bytes, read_bytes};
+use crate::{Flash, FlashError, FlashUnit, Layout, Slot, checksum_behind};
 
 /// An image by its length and its checksum.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,10 +49,11 @@ impl From<FlashError> for JournalError {
 /// Words of a record: kind, length, checksum of the image, and checksum of these three.
 const WORDS: u32 = 4;
 
-/// Bytes of a record.
+/// Bytes of a record, a multiple of a unit's.
 const BYTES: u32 = 4 * WORDS;
 
-const BLANK: u32 = u32::MAX;
+/// Places at which a record is tried.
+const TRIES: u32 = 4;
 
 impl Stage {
     /// Kinds of records, far from each other and from erased flash.
@@ -65,14 +67,14 @@ impl Stage {
 
     const REQUESTED: u32 = 0x5245_5155;
 
-    fn record(self) -> [u32; WORDS as usize] {
+    fn record(self) -> [[u8; 4]; WORDS as usize] {
         let kind = |stage| Self::KINDS.into_iter().find(|(_, of)| *of == stage);
         let content = match self {
             Self::Requested(image) => [Self::REQUESTED, image.length, image.checksum],
             stage => [kind(stage).map_or(0, |(kind, _)| kind), 0, 0],
         };
         let [a, b, c] = content;
-        [a, b, c, check(content)]
+        [a, b, c, check(content)].map(u32::to_le_bytes)
     }
 
     fn of_record([kind, length, checksum, sum]: [u32; WORDS as usize]) -> Option<Self> {
@@ -103,20 +105,33 @@ fn records(journal: &Slot) -> impl DoubleEndedIterator<Item = u32> + use<> {
     (0..journal.bytes() / BYTES).map(move |index| start + BYTES * index)
 }
 
-fn read<F: Flash>(flash: &F, at: u32) -> [u32; WORDS as usize] {
-    [0, 4, 8, 12].map(|offset| flash.word(at + offset))
+/// Content of the record at `at`. `None` if it is lost.
+fn read<F: Flash>(flash: &F, at: u32) -> Option<[u32; WORDS as usize]> {
+    let mut bytes = [0; BYTES as usize];
+    read_bytes(flash, at, &mut bytes)?;
+    Some(words_of(&bytes))
 }
 
-/// Returns true if all words of the record are erased.
-fn is_free(record: &[u32]) -> bool {
-    record.iter().all(|word| *word == BLANK)
+/// Words of a record's bytes.
+fn words_of(bytes: &[u8; BYTES as usize]) -> [u32; WORDS as usize] {
+    let (words, _) = bytes.as_chunks();
+    let mut all = [0; WORDS as usize];
+    for (to, from) in all.iter_mut().zip(words) {
+        *to = u32::from_le_bytes(*from);
+    }
+    all
+}
+
+/// Returns true if the record is erased.
+fn is_free<F: Flash>(flash: &F, at: u32) -> bool {
+    read(flash, at).is_some_and(|record| record.iter().all(|word| *word == u32::MAX))
 }
 
 /// Returns the stage of the last update.
 pub fn stage<F: Flash>(flash: &F, layout: &Layout) -> Stage {
     let last = records(&layout.journal)
         .rev()
-        .find_map(|at| Stage::of_record(read(flash, at)));
+        .find_map(|at| Stage::of_record(read(flash, at)?));
     last.unwrap_or(Stage::None)
 }
 
@@ -126,31 +141,42 @@ pub(crate) fn append<F: Flash>(
     layout: &Layout,
     stage: Stage,
 ) -> Result<(), JournalError> {
-    // Behind the last that is not blank: one that was cut takes its place for good.
+    // Behind the last that is not erased: one that was cut takes its place for good.
     let used = records(&layout.journal)
         .rev()
-        .find(|at| !is_free(&read(flash, *at)));
-    let at = used.map_or(layout.journal.start, |used| used + BYTES);
-    if at + BYTES > layout.journal.start + layout.journal.bytes() {
-        return Err(JournalError::Full);
+        .find(|at| !is_free(flash, *at));
+    let mut at = used.map_or(layout.journal.start, |used| used + BYTES);
+    let mut record = [0; BYTES as usize];
+    for (to, from) in record.iter_mut().zip(stage.record().as_flattened()) {
+        *to = *from;
     }
-    for (offset, word) in (0..).step_by(4).zip(stage.record()) {
-        flash.program(at + offset, word)?;
+    let mut result = Err(JournalError::Full);
+    for _ in 0..TRIES {
+        if at + BYTES > layout.journal.start + layout.journal.bytes() {
+            break;
+        }
+        let Err(error) = program_bytes(flash, at, &record) else {
+            return Ok(());
+        };
+        // An erasure that was cut may leave what looks erased and takes no content. It shall not look so again.
+        let _ = flash.program(at + BYTES - F::Unit::BYTES, F::Unit::CLEARED);
+        result = Err(JournalError::Flash(error));
+        at += BYTES;
     }
-    Ok(())
+    result
 }
 
 /// Erases a journal that is more than half full and settled.
 pub(crate) fn make_room<F: Flash>(flash: &mut F, layout: &Layout) -> Result<(), JournalError> {
     let half = layout.journal.start + layout.journal.bytes() / 2;
-    let used = |flash: &F, at: u32| !is_free(&read(flash, at));
+    let used = |flash: &F, at: u32| !is_free(flash, at);
     if !records(&layout.journal).any(|at| at >= half && used(flash, at)) {
         return Ok(());
     }
     // An erasure that is cut may leave any of them. So none is valid when it begins; the last to go is the last, which is settled.
     for at in records(&layout.journal) {
         if used(flash, at) {
-            flash.program(at + BYTES - 4, 0)?;
+            flash.program(at + BYTES - F::Unit::BYTES, F::Unit::CLEARED)?;
         }
     }
     for sector in layout.journal.sectors() {
@@ -184,5 +210,5 @@ pub fn confirm<F: Flash>(flash: &mut F, layout: &Layout) -> Result<(), JournalEr
 
 /// Returns true if there is no program in the slot.
 pub fn is_blank<F: Flash>(flash: &F, slot: &Slot) -> bool {
-    is_free(&read(flash, slot.start))
+    is_free(flash, slot.start)
 }

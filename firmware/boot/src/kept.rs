@@ -1,14 +1,16 @@
 //! Content in two slots, of which the newer whole one counts: a scene that has come over the line.
 //!
-//! The content lies at the beginning of its slot, and its record in the last words, which are written behind it. So a slot counts
-//! once its last word is there. New content goes into the slot that does not count: the other stays whole until then.
+//! The content lies at the beginning of its slot, and its record at the end, which is written behind it. So a slot counts
+//! once its last unit is there. New content goes into the slot that does not count: the other stays whole until then.
 
 use crate::boot::is_whole;
+use crate::flash::{program_bytes, read_bytes};
 use crate::journal::WholeImage;
 use crate::{Flash, FlashError, Slot, checksum_behind};
 
-/// Words of a record: number, owner, length and checksum of the content, and checksum of these four.
-const WORDS: u32 = 5;
+/// Words of a record: one that stays erased, number, owner, length and checksum of the content, and checksum of these four. With the first
+/// they are a number of units on every chip.
+const WORDS: usize = 6;
 
 /// Content that a slot keeps.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,7 +26,7 @@ pub struct Kept {
 impl Slot {
     /// Most bytes of content beside its record.
     pub const fn room(&self) -> u32 {
-        self.bytes() - 4 * WORDS
+        self.bytes() - 4 * WORDS as u32
     }
 
     /// Address of the record.
@@ -42,10 +44,10 @@ fn check(content: [u32; 4]) -> u32 {
 impl Kept {
     /// Content of `slot`. `None` if there is none, or it is not whole.
     fn of<F: Flash>(flash: &F, slot: &Slot) -> Option<Self> {
-        let at = slot.record();
-        let record @ [number, owner, length, checksum] =
-            [0, 4, 8, 12].map(|offset| flash.word(at + offset));
-        if flash.word(at + 16) != check(record) || length > slot.room() {
+        let mut words = [[0; 4]; WORDS];
+        read_bytes(flash, slot.record(), words.as_flattened_mut())?;
+        let [_, number, owner, length, checksum, sum] = words.map(u32::from_le_bytes);
+        if sum != check([number, owner, length, checksum]) || length > slot.room() {
             return None;
         }
         let content = WholeImage { length, checksum };
@@ -68,7 +70,7 @@ impl Kept {
     }
 }
 
-/// Reads the first `length` bytes of `slot` into the beginning of `room`. `None` if there is no room for them.
+/// Reads the first `length` bytes of `slot` into the beginning of `room`. `None` if there is no room for them, or one is lost.
 pub fn read<'b, F: Flash>(
     flash: &F,
     slot: &Slot,
@@ -76,12 +78,7 @@ pub fn read<'b, F: Flash>(
     room: &'b mut [u8],
 ) -> Option<&'b [u8]> {
     let bytes = room.get_mut(..length as usize)?;
-    for (part, address) in bytes.chunks_mut(4).zip(slot.words(length)) {
-        let word = flash.word(address).to_le_bytes();
-        for (to, from) in part.iter_mut().zip(word) {
-            *to = from;
-        }
-    }
+    read_bytes(flash, slot.start, bytes)?;
     Some(bytes)
 }
 
@@ -115,7 +112,7 @@ pub fn spare<F: Flash>(flash: &F, slots: &[Slot; 2], owner: u32) -> Slot {
     }
 }
 
-/// Writes the record of the `content` in `slot`, one of both: from the last word on it counts, and the other does no more.
+/// Writes the record of the `content` in `slot`, one of both: from the last unit on it counts, and the other does no more.
 ///
 /// # Errors
 /// The flash fails: then the other counts as before.
@@ -127,15 +124,9 @@ pub fn keep<F: Flash>(
     content: WholeImage,
 ) -> Result<(), FlashError> {
     let newest = contents(flash, slots)[0].map_or(0, |kept| kept.number);
-    let record = [
-        newest.wrapping_add(1),
-        owner,
-        content.length,
-        content.checksum,
-    ];
-    let words = record.into_iter().chain([check(record)]);
-    for (address, word) in (slot.record()..).step_by(4).zip(words) {
-        flash.program(address, word)?;
-    }
-    Ok(())
+    let number = newest.wrapping_add(1);
+    let WholeImage { length, checksum } = content;
+    let sum = check([number, owner, length, checksum]);
+    let words = [u32::MAX, number, owner, length, checksum, sum].map(u32::to_le_bytes);
+    program_bytes(flash, slot.record(), words.as_flattened())
 }

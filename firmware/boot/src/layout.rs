@@ -1,5 +1,7 @@
 //! Parts of the flash.
 
+use crate::FlashUnit;
+
 /// Consecutive sectors of one size.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Slot {
@@ -19,9 +21,9 @@ impl Slot {
         self.sector_bytes * self.sectors as u32
     }
 
-    /// Addresses of its first `bytes`, word by word.
-    pub(crate) fn words(&self, bytes: u32) -> impl Iterator<Item = u32> + use<> {
-        (self.start..self.start + bytes.min(self.bytes())).step_by(4)
+    /// Addresses of its first `bytes`, unit by unit.
+    pub(crate) fn units<U: FlashUnit>(&self, bytes: u32) -> impl Iterator<Item = u32> + use<U> {
+        (self.start..self.start + bytes.min(self.bytes())).step_by(U::BYTES as usize)
     }
 
     /// Numbers of its sectors.
@@ -41,7 +43,7 @@ pub struct Layout {
     pub new: Slot,
     /// The program before the last update.
     pub old: Slot,
-    /// Scenes that have come over the line.
+    /// Scenes that have come over the line: a sector each, which is erased with the first byte.
     pub scenes: [Slot; 2],
 }
 
@@ -55,6 +57,27 @@ impl Layout {
         old: Self::pair(0x080A_0000, 9),
         scenes: [Self::small(0x0800_8000, 2), Self::small(0x0800_C000, 3)],
     };
+
+    /// STM32G474RE: 512 KiB in two banks of 128 pages (RM0440, 3.3.1). The boot loader has the first eight pages; pages 252 to 255 are
+    /// free. The program is in the first bank, and all that it writes is in the second: it runs on meanwhile.
+    pub const STM32G474: Self = Self {
+        program: Self::pages(8, 80),
+        old: Self::pages(88, 80),
+        new: Self::pages(168, 80),
+        journal: Self::pages(248, 2),
+        scenes: [Self::pages(250, 1), Self::pages(251, 1)],
+    };
+
+    /// Pages of 2 KiB.
+    const fn pages(first: u8, count: u8) -> Slot {
+        const BYTES: u32 = 2 * 1024;
+        Slot {
+            start: 0x0800_0000 + BYTES * first as u32,
+            sector_bytes: BYTES,
+            first_sector: first,
+            sectors: count,
+        }
+    }
 
     /// A sector of 16 KiB.
     const fn small(start: u32, first_sector: u8) -> Slot {

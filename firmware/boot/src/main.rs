@@ -3,37 +3,19 @@
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
-mod start {
+mod loader {
     #![allow(unsafe_code)]
 
     use cortex_m::peripheral::SCB;
-    use trirrr_boot::stm32f405::{ChipFlash, watchdog};
-    use trirrr_boot::{Layout, Started, boot, is_blank};
+    use trirrr_boot::Layout;
+    use trirrr_boot::start::start;
+    use trirrr_boot::stm32f405::ChipFlash;
 
     #[cortex_m_rt::entry]
     fn main() -> ! {
         const LAYOUT: Layout = Layout::STM32F405;
-        // SAFETY: the only one, and the boot loader lies in sector 0, which is in no slot.
-        let mut flash = unsafe { ChipFlash::take() };
-        let started = boot(&mut flash, &LAYOUT);
-        if is_blank(&flash, &LAYOUT.program) {
-            // Flashed alone: the probe puts a program here.
-            loop {
-                cortex_m::asm::nop();
-            }
-        }
-        match started {
-            Ok(Started::Known) => {}
-            // A program that hangs before it starts the watchdog itself would never end.
-            Ok(Started::OnTrial) => watchdog::start(watchdog::Period::TRIAL),
-            Err(_) => SCB::sys_reset(),
-        }
-        let vectors = LAYOUT.program.start as *const u32;
-        // SAFETY: the slot begins with the vectors of a program. No interrupt is on, and the processor is as after a reset.
-        unsafe {
-            (*SCB::PTR).vtor.write(LAYOUT.program.start);
-            cortex_m::asm::bootload(vectors)
-        }
+        // SAFETY: the only one, and the boot loader lies in front of all slots. It has come from a reset.
+        unsafe { start(ChipFlash::take(), &LAYOUT) }
     }
 
     #[panic_handler]

@@ -1,7 +1,8 @@
 //! Image, or other content, that comes over the line, block by block.
 
+use crate::flash::program_unit;
 use crate::journal::{self, JournalError, WholeImage};
-use crate::{Flash, FlashError, Layout, Slot, checksum_behind};
+use crate::{Flash, FlashError, FlashUnit, Layout, Slot, checksum_behind};
 
 /// Reason for which a part of an image is not taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,7 +11,8 @@ pub enum ReceiveError {
     Length,
     /// No image was begun.
     NotBegun,
-    /// The block is not the next, is empty, or goes beyond the image. Only the last may have a length that is no multiple of 4.
+    /// The block is not the next, is empty, or goes beyond the image. Only the last may have a length that is no multiple of a
+    /// unit's.
     Offset {
         /// Offset of the next block.
         expected: u32,
@@ -90,25 +92,21 @@ impl Receiver {
         if offset != self.received
             || length == 0
             || length > left
-            || !(is_last || length.is_multiple_of(4))
+            || !(is_last || length.is_multiple_of(F::Unit::BYTES))
         {
             return Err(ReceiveError::Offset {
                 expected: self.received,
             });
         }
         let mut sum = self.sum;
-        for (place, part) in (offset..).step_by(4).zip(bytes.chunks(4)) {
+        let parts = bytes.chunks(F::Unit::BYTES as usize);
+        for (place, part) in (offset..).step_by(F::Unit::BYTES as usize).zip(parts) {
             if place.is_multiple_of(slot.sector_bytes) {
                 flash.erase(slot.first_sector + (place / slot.sector_bytes) as u8)?;
             }
-            let mut word = [0xFF; 4];
-            for (to, from) in word.iter_mut().zip(part) {
-                *to = *from;
-            }
-            flash.program(slot.start + place, u32::from_le_bytes(word))?;
-            // Of what is in the flash, not of what came.
-            let read = flash.word(slot.start + place).to_le_bytes();
-            sum = checksum_behind(sum, read.get(..part.len()).unwrap_or(&read));
+            // Compares: the checksum is of what is in the flash, not of what came.
+            program_unit(flash, slot.start + place, F::Unit::of_bytes(part))?;
+            sum = checksum_behind(sum, part);
         }
         self.sum = sum;
         self.received += length;

@@ -70,6 +70,17 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
             )
         })?;
 
+    // The target of an RP2040. Without this its own build would fail beside the code that uses the flash.
+    if scene.service.update && env::var("TARGET").is_ok_and(|target| target.starts_with("thumbv6m"))
+    {
+        return Err(format!(
+            "{}: update = true in [service]: an RP2040 takes another program by USB, from its ROM (docs/board.md, RP2040); \
+             leave update and scene_over_line out",
+            file.display()
+        )
+        .into());
+    }
+
     let out =
         PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: not a build script")?);
     let name = file.display().to_string();

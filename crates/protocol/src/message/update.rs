@@ -50,7 +50,7 @@ pub struct ImageHeader {
 pub struct ImageBlock {
     /// Place of the first byte in the image: behind the bytes that the machine has.
     pub offset: u32,
-    /// Bytes of the block, 1 to [`BLOCK`]; a multiple of 4, but in the last block.
+    /// Bytes of the block, 1 to [`BLOCK`]; a multiple of 8, but in the last block.
     pub count: u8,
     /// The bytes, zeros behind them.
     pub bytes: [[u8; ROW]; BLOCK / ROW],

@@ -149,7 +149,7 @@ pub use interlocked::WithInterlocks;
 pub use levels::WithLevels;
 pub use measured::WithFeedback;
 pub use slot::{NoSlot, Put, Slot, Take};
-pub use updated::{ImageSlot, WithUpdate};
+pub use updated::{ImageSlot, WithUpdate, check_image};
 pub use values::{SceneValues, StepperValues, needs_of_model};
 
 use crate::coefficients::Coefficients;

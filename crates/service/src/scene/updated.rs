@@ -2,7 +2,9 @@
 
 use super::Scene;
 use crate::number::ServiceNumber;
-use trirrr_protocol::message::{Refusal, UpdateRefusal, UpdateStatus, UpdateStep};
+use trirrr_protocol::message::{
+    Firmware, ImageHeader, Refusal, UpdateRefusal, UpdateStatus, UpdateStep,
+};
 
 /// Place where a machine puts a new image of its program.
 pub trait ImageSlot {
@@ -14,6 +16,24 @@ pub trait ImageSlot {
 
     /// Returns the update as it stands.
     fn status(&self) -> UpdateStatus;
+}
+
+/// Checks that an image is for the machine whose program is `own` and begins at the address `start`.
+///
+/// # Errors
+/// It is for another chip or board, or begins elsewhere.
+pub fn check_image(header: &ImageHeader, own: &Firmware, start: u32) -> Result<(), UpdateRefusal> {
+    let new = &header.firmware;
+    if own.chip != new.chip {
+        return Err(UpdateRefusal::Chip);
+    }
+    if own.board != new.board {
+        return Err(UpdateRefusal::Board);
+    }
+    match header.start == start {
+        true => Ok(()),
+        false => Err(UpdateRefusal::Start { expected: start }),
+    }
 }
 
 /// Scene `S` of a machine that takes new images into `U`.

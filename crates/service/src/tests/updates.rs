@@ -119,3 +119,41 @@ fn a_program_that_is_not_replaced_says_so() {
     let refused = bench.refused(Command::Update(UpdateStep::Finish));
     assert_eq!(refused, Refusal::NoUpdate);
 }
+
+#[test]
+fn an_image_for_another_chip_or_board_is_refused() {
+    let text = |text: &str| {
+        let mut bytes = [0; 32];
+        bytes[..text.len()].copy_from_slice(text.as_bytes());
+        bytes
+    };
+    let of = |board, chip| Firmware {
+        board: text(board),
+        chip: text(chip)[..16].try_into().expect("16 bytes"),
+        ..Firmware::SIMULATOR
+    };
+    const START: u32 = 0x0802_0000;
+    let own = of("generic-f405", "stm32f405rg");
+    let check = |firmware, start| {
+        let header = ImageHeader {
+            start,
+            length: 8,
+            checksum: 0,
+            firmware,
+        };
+        check_image(&header, &own, START)
+    };
+    assert_eq!(check(own, START), Ok(()));
+    let other_chip = of("nucleo-g474re", "stm32g474re");
+    assert_eq!(check(other_chip, START), Err(UpdateRefusal::Chip));
+    // A board file of one's own may have the name of another.
+    let same_name = of("generic-f405", "stm32g474re");
+    assert_eq!(check(same_name, START), Err(UpdateRefusal::Chip));
+    let other_board = of("feather-f405", "stm32f405rg");
+    assert_eq!(check(other_board, START), Err(UpdateRefusal::Board));
+    let expected = START;
+    assert_eq!(
+        check(own, 0x0800_4000),
+        Err(UpdateRefusal::Start { expected })
+    );
+}

@@ -26,3 +26,13 @@ impl Chip for Stm32g474 {
         crate::fault_status::fault_status()
     }
 }
+
+/// The flash tells that a double word is lost: one that a cut of the power has left, or one of the program.
+#[cfg(update)]
+#[cortex_m_rt::exception]
+#[allow(unsafe_code)]
+unsafe fn NonMaskableInt() {
+    if !trirrr_app::is_lost_expected() {
+        panic!("the flash has lost a part of the program");
+    }
+}

@@ -1,43 +1,46 @@
 //! Scenes that come over the line.
 
-use crate::cut_flash::{CutFlash, LAYOUT};
+use crate::cut_flash::{ChipCells, CutFlash};
 use crate::image;
-use trirrr_boot::{FlashError, ReceiveError, Receiver, boot, keep, kept, spare};
+use trirrr_boot::{FlashError, FlashUnit as _, ReceiveError, Receiver, boot, keep, kept, spare};
 
 /// Program that takes the scenes.
 const OWNER: u32 = 0x1234_5678;
 
 /// Takes `content` as a program does.
-fn take(flash: &mut CutFlash, content: &[u8], owner: u32) -> Result<(), ReceiveError> {
-    let slot = spare(flash, &LAYOUT.scenes, owner);
+fn take<C: ChipCells>(
+    flash: &mut CutFlash<C>,
+    content: &[u8],
+    owner: u32,
+) -> Result<(), ReceiveError> {
+    let slot = spare(flash, &C::LAYOUT.scenes, owner);
     let mut receiver = Receiver::NONE;
     receiver.begin(slot.room(), image(content))?;
     for block in content.chunks(8) {
         receiver.block(flash, &slot, receiver.received(), block)?;
     }
     let content = receiver.whole()?;
-    Ok(keep(flash, &LAYOUT.scenes, &slot, owner, content)?)
+    Ok(keep(flash, &C::LAYOUT.scenes, &slot, owner, content)?)
 }
 
 /// Contents of `owner`, the newer first.
-fn contents(flash: &CutFlash, owner: u32) -> Vec<Vec<u8>> {
+fn contents<C: ChipCells>(flash: &CutFlash<C>, owner: u32) -> Vec<Vec<u8>> {
     let read = |kept: trirrr_boot::Kept| {
         let mut room = [0; 64];
         let content = kept.read(flash, &mut room).expect("room for a slot");
         content.to_vec()
     };
-    kept(flash, &LAYOUT.scenes, owner).map(read).collect()
+    kept(flash, &C::LAYOUT.scenes, owner).map(read).collect()
 }
 
 /// Content number `number`, of any length up to the room, which ends within a word.
 fn content(number: u8) -> Vec<u8> {
-    let length = 3 + usize::from(number) * 7 % 40;
+    let length = 3 + usize::from(number) * 7 % 37;
     (0..length as u8).map(|byte| byte ^ number).collect()
 }
 
-#[test]
-fn the_newer_content_counts_and_the_other_stays_behind_it() {
-    let mut flash = CutFlash::with(&[1, 2, 3]);
+fn the_newer_content_counts_and_the_other_stays_behind_it<C: ChipCells>() {
+    let mut flash = CutFlash::<C>::with(&[1, 2, 3]);
     assert_eq!(contents(&flash, OWNER), Vec::<Vec<u8>>::new());
     for number in 0..20 {
         take(&mut flash, &content(number), OWNER).expect("a flash with power");
@@ -48,13 +51,12 @@ fn the_newer_content_counts_and_the_other_stays_behind_it() {
         assert_eq!(contents(&flash, OWNER), expected);
     }
     // The boot loader leaves them alone.
-    boot(&mut flash, &LAYOUT).expect("a flash with power");
+    boot(&mut flash, &C::LAYOUT).expect("a flash with power");
     assert_eq!(contents(&flash, OWNER), [content(19), content(18)]);
 }
 
-#[test]
-fn a_cut_anywhere_leaves_the_old_content_or_the_new_one() {
-    let mut first = CutFlash::with(&[1, 2, 3]);
+fn a_cut_anywhere_leaves_the_old_content_or_the_new_one<C: ChipCells>() {
+    let mut first = CutFlash::<C>::with(&[1, 2, 3]);
     for number in 0..3 {
         take(&mut first, &content(number), OWNER).expect("a flash with power");
     }
@@ -63,8 +65,11 @@ fn a_cut_anywhere_leaves_the_old_content_or_the_new_one() {
     whole.power_on(None);
     take(&mut whole, &new, OWNER).expect("a flash with power");
     let operations = whole.operations;
-    // An erasure, six words of content, five of the record.
-    assert_eq!(operations, 1 + 6 + 5, "{operations}");
+    // An erasure, 24 bytes of content, a record of five words behind one that stays erased.
+    assert_eq!(
+        operations,
+        1 + 24 / C::Unit::BYTES + 20u32.div_ceil(C::Unit::BYTES)
+    );
     for seed in 0..200 {
         for cut in 0..operations {
             let mut flash = first.clone();
@@ -74,7 +79,7 @@ fn a_cut_anywhere_leaves_the_old_content_or_the_new_one() {
             flash.power_on(None);
             let newest = contents(&flash, OWNER).swap_remove(0);
             assert!(newest == old || newest == new, "seed {seed}, cut {cut}");
-            // The last word may have been programmed in spite of the cut.
+            // The last unit may have been programmed in spite of the cut.
             assert!(
                 newest == old || cut + 1 == operations,
                 "seed {seed}, cut {cut}"
@@ -87,10 +92,9 @@ fn a_cut_anywhere_leaves_the_old_content_or_the_new_one() {
     }
 }
 
-#[test]
-fn cuts_one_after_another_leave_one_content_whole() {
+fn cuts_one_after_another_leave_one_content_whole<C: ChipCells>() {
     for seed in 0..200 {
-        let mut flash = CutFlash::with(&[1, 2, 3]);
+        let mut flash = CutFlash::<C>::with(&[1, 2, 3]);
         flash.noise = seed;
         take(&mut flash, &content(0), OWNER).expect("a flash with power");
         for number in 1..8 {
@@ -107,9 +111,8 @@ fn cuts_one_after_another_leave_one_content_whole() {
     }
 }
 
-#[test]
-fn content_of_another_program_does_not_count_and_is_the_first_to_go() {
-    let mut flash = CutFlash::with(&[1, 2, 3]);
+fn content_of_another_program_does_not_count_and_is_the_first_to_go<C: ChipCells>() {
+    let mut flash = CutFlash::<C>::with(&[1, 2, 3]);
     take(&mut flash, &content(0), OWNER + 1).expect("a flash with power");
     take(&mut flash, &content(1), OWNER).expect("a flash with power");
     assert_eq!(contents(&flash, OWNER), [content(1)]);
@@ -121,47 +124,56 @@ fn content_of_another_program_does_not_count_and_is_the_first_to_go() {
     assert_eq!(contents(&flash, OWNER + 1), Vec::<Vec<u8>>::new());
 }
 
-#[test]
-fn content_that_is_damaged_does_not_count() {
-    let mut flash = CutFlash::with(&[1, 2, 3]);
+fn content_that_is_damaged_does_not_count<C: ChipCells>() {
+    let mut flash = CutFlash::<C>::with(&[1, 2, 3]);
     for number in 0..2 {
         take(&mut flash, &content(number), OWNER).expect("a flash with power");
     }
-    let slot = LAYOUT.scenes[1];
+    let slot = C::LAYOUT.scenes[1];
     for address in [
         slot.start,
-        slot.start + slot.room(),
-        slot.start + slot.room() + 8,
+        slot.start + slot.room() + 4,
+        slot.start + slot.room() + 12,
     ] {
         let mut damaged = flash.clone();
-        *damaged.words.get_mut(&address).expect("a word") ^= 1 << 7;
+        damaged.damage(address, 1 << 7);
         assert_eq!(contents(&damaged, OWNER), [content(0)], "{address:#x}");
     }
 }
 
-#[test]
-fn content_has_the_room_of_a_slot_without_its_record() {
-    let mut flash = CutFlash::with(&[1, 2, 3]);
-    let room = LAYOUT.scenes[0].room() as usize;
-    assert_eq!(room, 44);
+fn content_has_the_room_of_a_slot_without_its_record<C: ChipCells>() {
+    let mut flash = CutFlash::<C>::with(&[1, 2, 3]);
+    let room = C::LAYOUT.scenes[0].room() as usize;
+    assert_eq!(room, 40);
     let longest: Vec<u8> = (0..room as u8).collect();
     take(&mut flash, &longest, OWNER).expect("room");
     assert_eq!(contents(&flash, OWNER), [longest]);
     let longer = take(&mut flash, &vec![1; room + 1], OWNER);
     assert_eq!(longer, Err(ReceiveError::Length));
-    let kept = kept(&flash, &LAYOUT.scenes, OWNER).next().expect("content");
-    assert_eq!(kept.read(&flash, &mut [0; 43]), None);
+    let kept = kept(&flash, &C::LAYOUT.scenes, OWNER)
+        .next()
+        .expect("content");
+    assert_eq!(kept.read(&flash, &mut [0; 39]), None);
 }
 
-#[test]
-fn a_flash_that_fails_is_told() {
-    let mut flash = CutFlash::with(&[1, 2, 3]);
+fn a_flash_that_fails_is_told<C: ChipCells>() {
+    let mut flash = CutFlash::<C>::with(&[1, 2, 3]);
     flash.power_on(Some(0));
     let failed = take(&mut flash, &content(0), OWNER);
-    let sector = LAYOUT.scenes[0].first_sector;
+    let sector = C::LAYOUT.scenes[0].first_sector;
     let error = FlashError {
         place: sector.into(),
         status: 0,
     };
     assert_eq!(failed, Err(error.into()));
+}
+
+on_both_chips! {
+    the_newer_content_counts_and_the_other_stays_behind_it
+    a_cut_anywhere_leaves_the_old_content_or_the_new_one
+    cuts_one_after_another_leave_one_content_whole
+    content_of_another_program_does_not_count_and_is_the_first_to_go
+    content_that_is_damaged_does_not_count
+    content_has_the_room_of_a_slot_without_its_record
+    a_flash_that_fails_is_told
 }

@@ -13,9 +13,6 @@ use trirrr_scene::Scene;
 
 const CASE: &str = "install";
 
-/// First of the two slots.
-const SLOT: u32 = 0x0800_8000;
-
 /// Scene named `name`, with other links than those of the image.
 fn scene(subject: &Subject, name: &str) -> Scene {
     let mut scene = Scene {
@@ -66,7 +63,7 @@ pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
     row(
         "a scene of another tick rate",
         refused(&mut board, subject)?,
-        "true, 0 erasures, 0 words",
+        "true, 0 erasures, 0 units",
     );
 
     let mut host = installer(&mut board, &first)?;
@@ -109,11 +106,12 @@ pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
     );
 
     // The second lies in the other slot.
-    board.damage(SLOT + 16 * 1024 + 64)?;
+    let [a, b] = subject.kind.layout().scenes.map(|slot| slot.start);
+    board.damage(b + 64)?;
     board.reset(ResetCause::Power)?;
     let left = told(&mut board, &second)?;
     row("second scene is damaged in the flash", left, "first");
-    board.damage(SLOT + 64)?;
+    board.damage(a + 64)?;
     board.reset(ResetCause::Power)?;
     let left = told(&mut board, &second)?;
     row("both are damaged", left, &subject.scene.name);
@@ -132,9 +130,9 @@ fn refused(board: &mut Board, subject: &Subject) -> Result<String> {
     let named: Ended = Err(UpdateFailure::Lacks(lacks));
     let flash = &board.chip().flash;
     Ok(format!(
-        "{}, {} erasures, {} words",
+        "{}, {} erasures, {} units",
         ended == named,
         flash.erasures,
-        flash.words
+        flash.units
     ))
 }

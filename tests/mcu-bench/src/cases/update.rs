@@ -1,22 +1,19 @@
 //! Update over the line: another program takes the place of the one that runs, and goes again where it fails.
 
 use super::{OSCILLATOR_HZ, Row, Subject, fact, time};
-use crate::chip::{ResetCause, SYS_TICK};
+use crate::chip::{Kind, ResetCause, SYS_TICK};
 use crate::cpu::{Board, Hang, load};
 use crate::host::{HostLine, LOOK};
 use crate::time::{MS, SECOND, Time, seconds};
 use anyhow::{Context, Result, bail, ensure};
+use std::cell::Cell;
 use std::path::Path;
 use std::time::Duration;
+use trirrr_boot::Slot;
 use trirrr_client::{Patience, ProgramImage, UpdateAction, UpdateClient, UpdateFailure, describe};
 use trirrr_protocol::message::{IMAGE_MARK, Refusal, UpdateRefusal};
 
 const CASE: &str = "update";
-
-/// Places of a program and of a new one, as in the boot loader's layout.
-const PROGRAM: u32 = 0x0802_0000;
-const NEW: u32 = 0x0806_0000;
-const SLOT: usize = 256 * 1024;
 
 /// Longest time of an update: four erasures of 2 s to install it, four to go back, with the words between.
 const LONGEST: Time = 60 * SECOND;
@@ -89,10 +86,10 @@ impl Updater {
 }
 
 /// Content of the slot of the program with the image of `file` in it, without the erased bytes at its end.
-fn content(file: &Path) -> Result<Vec<u8>> {
+fn content(file: &Path, program: &Slot) -> Result<Vec<u8>> {
     let flash = load(&[file])?;
-    let start = (PROGRAM - 0x0800_0000) as usize;
-    let slot = &flash[start..start + SLOT];
+    let start = (program.start - 0x0800_0000) as usize;
+    let slot = &flash[start..start + program.bytes() as usize];
     let length = slot
         .iter()
         .rposition(|byte| *byte != 0xFF)
@@ -100,21 +97,22 @@ fn content(file: &Path) -> Result<Vec<u8>> {
     Ok(slot[..length].to_vec())
 }
 
-fn image(content: &[u8]) -> Result<ProgramImage> {
-    ProgramImage::new(PROGRAM, content.to_vec()).context("the image has no label")
+fn image(subject: &Subject, content: &[u8]) -> Result<ProgramImage> {
+    let start = subject.kind.layout().program.start;
+    ProgramImage::new(start, content.to_vec()).context("the image has no label")
 }
 
 pub(super) fn described(ended: Ended) -> String {
     format!("{ended:?}")
 }
 
-/// All of it: a program that stays, one that fails in two ways, one that is damaged, one for another board.
+/// All of it: a program that stays, one that fails in two ways, one that is damaged, one for another board or chip, power that is cut.
 pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
     let Some([_, other]) = &subject.update else {
         return Ok(Vec::new());
     };
-    let other = content(other)?;
-    let mut rows = stays(subject, &other)?;
+    let other = content(other, &subject.kind.layout().program)?;
+    let (mut rows, operations) = stays(subject, &other)?;
     type Failure = fn(&mut Board) -> Result<()>;
     let failures: [(&str, Failure); 2] = [
         ("hard fault", |board| board.jump(0x6000_0000)),
@@ -128,19 +126,28 @@ pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
     }
     rows.push(is_damaged(subject, &other)?);
     rows.extend(is_for_another_board(subject, &other)?);
+    rows.push(is_for_another_chip(subject, &other)?);
+    rows.extend(loses_power(subject, &other, operations)?);
+    if subject.kind == Kind::Stm32g474 {
+        rows.push(has_hole(subject, &other)?);
+    }
     Ok(rows)
 }
 
-fn stays(subject: &Subject, other: &[u8]) -> Result<Vec<Row>> {
+/// Returns the operations of the flash, too, that the boot loader takes.
+fn stays(subject: &Subject, other: &[u8]) -> Result<(Vec<Row>, u32)> {
     let mut board = subject.switch_on()?;
     board.run(100 * MS)?;
-    let mut host = Updater::new(image(other)?);
+    let mut host = Updater::new(image(subject, other)?);
     host.run(&mut board, |host| host.client.progress().0 > 0)?;
     let before = host.scene();
     host.run(&mut board, |host| host.client.is_restarting())?;
     let received = board.now();
+    let operations_before = board.chip().flash.operations();
     let ended = host.to_end(&mut board)?;
     let installed = board.now() - received;
+    let operations = board.chip().flash.operations() - operations_before;
+    let program = subject.kind.layout().program;
     let resets: Vec<ResetCause> = board.resets.iter().map(|(_, cause)| *cause).collect();
     let mut rows = vec![
         fact(CASE, "result", described(ended), "Ok(())"),
@@ -149,7 +156,7 @@ fn stays(subject: &Subject, other: &[u8]) -> Result<Vec<Row>> {
         fact(
             CASE,
             "flash of the program is the image",
-            (board.flash(PROGRAM, other.len()) == other).to_string(),
+            (board.flash(program.start, other.len()) == other).to_string(),
             "true",
         ),
         fact(
@@ -171,17 +178,20 @@ fn stays(subject: &Subject, other: &[u8]) -> Result<Vec<Row>> {
             30 * SECOND,
         ),
     ];
+    let layout = subject.kind.layout();
+    let needed = other.len().div_ceil(layout.new.sector_bytes as usize);
+    let expected = needed + usize::from(layout.old.sectors + layout.program.sectors);
     let flash = &board.chip().flash;
     rows.push(fact(
         CASE,
         "sectors erased",
         flash.erasures.to_string(),
-        // One of the new slot for each 128 KiB, two of the old slot, two of the program.
-        &(other.len().div_ceil(128 * 1024) + 4).to_string(),
+        // Those of the new slot that the image needs, and all of the old slot and of the program.
+        &expected.to_string(),
     ));
     board.reset(ResetCause::Pin)?;
     board.run(board.now() + 100 * MS)?;
-    let mut again = Updater::new(image(other)?);
+    let mut again = Updater::new(image(subject, other)?);
     again.run(&mut board, |host| host.client.progress().0 > 0)?;
     rows.push(fact(
         CASE,
@@ -189,7 +199,7 @@ fn stays(subject: &Subject, other: &[u8]) -> Result<Vec<Row>> {
         again.scene(),
         "other",
     ));
-    Ok(rows)
+    Ok((rows, operations))
 }
 
 fn within(subject: &str, other: &[u8], measured: Time, bound: Time) -> Row {
@@ -212,7 +222,7 @@ fn goes_back(
     let mut board =
         subject.switch_on_with(&subject.image, subject.kind.crystal(), OSCILLATOR_HZ[0])?;
     board.run(100 * MS)?;
-    let mut host = Updater::new(image(other)?);
+    let mut host = Updater::new(image(subject, other)?);
     host.run(&mut board, |host| host.client.is_restarting())?;
     // The cable is pulled while the new program starts.
     let end = board.now() + LONGEST;
@@ -252,9 +262,9 @@ fn goes_back(
 fn is_damaged(subject: &Subject, other: &[u8]) -> Result<Row> {
     let mut board = subject.switch_on()?;
     board.run(100 * MS)?;
-    let mut host = Updater::new(image(other)?);
+    let mut host = Updater::new(image(subject, other)?);
     host.run(&mut board, |host| host.client.is_restarting())?;
-    board.damage(NEW + 4096)?;
+    board.damage(subject.kind.layout().new.start + 4096)?;
     let ended = host.to_end(&mut board)?;
     let text = format!("{}, {}", described(ended), host.scene());
     let bound = format!("Err(Reverted), {}", subject.scene.name);
@@ -266,17 +276,129 @@ fn is_damaged(subject: &Subject, other: &[u8]) -> Result<Row> {
     ))
 }
 
+/// Place of the label in an image.
+fn label(image: &[u8]) -> Result<usize> {
+    let mut windows = image.windows(IMAGE_MARK.len());
+    let label = windows.position(|window| window == IMAGE_MARK);
+    label.context("the image has no label")
+}
+
+/// An image of the other chip, at the start that the board has.
+fn is_for_another_chip(subject: &Subject, other: &[u8]) -> Result<Row> {
+    let mut board = subject.switch_on()?;
+    board.run(100 * MS)?;
+    let mut foreign = other.to_vec();
+    let label = label(&foreign)?;
+    let chip: &[u8] = match subject.kind {
+        Kind::Stm32f405 => b"stm32g474re",
+        Kind::Stm32g474 => b"stm32f405rg",
+    };
+    // Behind mark, version, commit and board.
+    foreign[label + 80..][..chip.len()].copy_from_slice(chip);
+    let mut host = Updater::new(image(subject, &foreign)?);
+    let ended = host.to_end(&mut board)?;
+    let refused: Ended = Err(UpdateFailure::Refused(Refusal::Update(UpdateRefusal::Chip)));
+    let text = described(ended);
+    Ok(fact(
+        CASE,
+        "image for another chip",
+        text,
+        &described(refused),
+    ))
+}
+
+/// A double word of the running program is lost: its version, which a hello reads. Boot loader and start do not.
+fn has_hole(subject: &Subject, other: &[u8]) -> Result<Row> {
+    let mut board = subject.switch_on()?;
+    board.run(100 * MS)?;
+    let program = subject.kind.layout().program;
+    let own = content(&subject.image, &program)?;
+    let version = label(&own)? + IMAGE_MARK.len();
+    board.damage(program.start + version as u32)?;
+    let mut host = Updater::new(image(subject, other)?);
+    let looks = Cell::new(0);
+    host.run(&mut board, |_| looks.replace(looks.get() + 1) > 1000)?;
+    let resets: Vec<ResetCause> = board.resets.iter().map(|(_, cause)| *cause).collect();
+    let first = resets.get(..2).unwrap_or(&resets);
+    Ok(fact(
+        CASE,
+        "a hole in the running program: resets",
+        format!("{first:?}"),
+        "[Power, Software]",
+    ))
+}
+
+/// Places of cuts, as parts of the operations of an installation: in the copy of the old program, with which each of the first three begins
+/// anew, from there into the copy of the new one, and in that.
+const CUTS: [f64; 7] = [0.0, 0.02, 0.4, 0.6, 0.0, 0.05, 0.45];
+
+/// The power goes seven times in the middle of an erasure or of a unit while the boot loader installs one image.
+fn loses_power(subject: &Subject, other: &[u8], operations: u32) -> Result<[Row; 4]> {
+    let mut board = subject.switch_on()?;
+    board.run(100 * MS)?;
+    let mut host = Updater::new(image(subject, other)?);
+    host.run(&mut board, |host| host.client.is_restarting())?;
+    let mut lost = 0;
+    for cut in CUTS {
+        let resets = board.resets.len();
+        let cut = (f64::from(operations) * cut) as u32;
+        board.chip().flash.cut_power_in(cut);
+        let end = board.now() + LONGEST;
+        let is_cut = |board: &Board| {
+            let mut since = board.resets.iter().skip(resets);
+            since.any(|(_, cause)| *cause == ResetCause::Power)
+        };
+        while !is_cut(&board) {
+            ensure!(board.now() < end, "no operation number {cut}");
+            board.run(board.now() + 10 * MS)?;
+        }
+        lost = lost.max(board.chip().flash.lost().len());
+    }
+    host.line.drop_all(&mut board);
+    let ended = host.to_end(&mut board)?;
+    let row = |what: &str, measured: String, bound: &str| {
+        fact(
+            CASE,
+            &format!("power cut seven times: {what}"),
+            measured,
+            bound,
+        )
+    };
+    let start = subject.kind.layout().program.start;
+    let is_whole = board.flash(start, other.len()) == other;
+    let left = board.chip().flash.lost().len();
+    let has_check_bits = subject.kind == Kind::Stm32g474;
+    Ok([
+        row("result", described(ended), "Ok(())"),
+        row("scene afterwards", host.scene(), "other"),
+        row(
+            "flash of the program is the image",
+            is_whole.to_string(),
+            "true",
+        ),
+        // Check bits tell of them, where the chip has some. What they are left in is erased before it is used again.
+        Row {
+            case: CASE,
+            subject: "power cut seven times: double words that were lost at a time, and at the end"
+                .into(),
+            measured: format!("{lost}, {left}"),
+            bound: match has_check_bits {
+                true => "some, fewer".into(),
+                false => "0, 0".into(),
+            },
+            holds: (lost > 0) == has_check_bits && (left < lost || left == 0),
+        },
+    ])
+}
+
 fn is_for_another_board(subject: &Subject, other: &[u8]) -> Result<[Row; 2]> {
     let mut board = subject.switch_on()?;
     board.run(100 * MS)?;
     let mut foreign = other.to_vec();
-    let label = foreign
-        .windows(IMAGE_MARK.len())
-        .position(|window| window == IMAGE_MARK)
-        .context("the image has no label")?;
+    let label = label(&foreign)?;
     // Behind mark, version and commit.
     foreign[label + 48] ^= 0x20;
-    let mut host = Updater::new(image(&foreign)?);
+    let mut host = Updater::new(image(subject, &foreign)?);
     let ended = host.to_end(&mut board)?;
     let refused: Ended = Err(UpdateFailure::Refused(Refusal::Update(
         UpdateRefusal::Board,
@@ -291,8 +413,8 @@ fn is_for_another_board(subject: &Subject, other: &[u8]) -> Result<[Row; 2]> {
         ),
         fact(
             CASE,
-            "erasures and words by then",
-            format!("{}, {}", flash.erasures, flash.words),
+            "erasures and programmed units by then",
+            format!("{}, {}", flash.erasures, flash.units),
             "0, 0",
         ),
     ])

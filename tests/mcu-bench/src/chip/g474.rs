@@ -15,11 +15,9 @@ const RCC: u32 = 0x4002_1000;
 pub(super) const RESET_OF_PORTS: u32 = RCC + 0x2C;
 
 /// Registers that hold what is written and do nothing that the bench shows: address and bytes.
-const HELD: [(u32, u32); 6] = [
+const HELD: [(u32, u32); 5] = [
     // RCC: resets and clocks of peripherals, and sources of clocks.
     (RCC + 0x28, 0x6C),
-    // Flash: wait states and caches. The model of time has them in its mean.
-    (0x4002_2000, 0x30),
     // PWR: the boost of the core.
     (0x4000_7000, 0x84),
     // DBGMCU: what stands still under a debugger.
@@ -51,6 +49,9 @@ pub(super) fn place(address: u32) -> Option<Place> {
         .any(|(start, bytes)| within(*start, *bytes).is_some())
     {
         return Some(Place::Held);
+    }
+    if let Some(offset) = within(0x4002_2000, 0x24) {
+        return Some(Place::Flash(offset));
     }
     if let Some(offset) = within(RCC, 0x98) {
         return Some(Place::OtherClock(offset));

@@ -21,7 +21,7 @@ mod timer;
 mod watchdog;
 
 pub(crate) use clock::{ClockControl, Clocks, Crystal, ResetCause};
-pub(crate) use flash::FlashControl;
+pub(crate) use flash::{Content, FlashControl, Stored};
 pub(crate) use interrupts::{HARD_FAULT, Interrupts, NMI, SYS_TICK};
 pub(crate) use map::TIM7;
 pub(crate) use memory::{RAM, RAM_BYTES};
@@ -40,6 +40,7 @@ use map::{SERIALS, TIMERS};
 use std::collections::{BTreeMap, BTreeSet};
 use supply::Supply;
 use timer::Timer;
+use trirrr_boot::Layout;
 use watchdog::Watchdog;
 
 /// Ports A to E.
@@ -69,6 +70,14 @@ impl Kind {
         match self {
             Self::Stm32f405 => Crystal::Runs { mhz: 8 },
             Self::Stm32g474 => Crystal::Runs { mhz: 24 },
+        }
+    }
+
+    /// Returns the parts of the flash, where images are replaced over the line.
+    pub(crate) fn layout(self) -> Layout {
+        match self {
+            Self::Stm32f405 => Layout::STM32F405,
+            Self::Stm32g474 => Layout::STM32G474,
         }
     }
 
@@ -102,8 +111,10 @@ pub(crate) struct Chip {
     pub(crate) bus: Option<Box<dyn CanBus>>,
     supply: Supply,
     pub(crate) flash: FlashControl,
-    /// Bytes that were erased, and not in the memory yet.
-    pub(crate) erased: Option<(u32, u32)>,
+    /// Content of the flash that is not in the memory of the emulator yet.
+    pub(crate) changed: Vec<Content>,
+    /// Address of the code that is executed.
+    pub(crate) executes_at: u32,
     held: BTreeMap<u32, u32>,
     /// Accesses to registers that are not modelled.
     pub(crate) unknown: BTreeSet<String>,
@@ -138,8 +149,9 @@ impl Chip {
             can: kind.controller(),
             bus: None,
             supply: Supply::new(),
-            flash: FlashControl::new(),
-            erased: None,
+            flash: FlashControl::new(kind),
+            changed: Vec::new(),
+            executes_at: 0,
             held: BTreeMap::new(),
             unknown: BTreeSet::new(),
             trace: Trace::default(),

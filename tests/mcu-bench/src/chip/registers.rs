@@ -75,7 +75,7 @@ impl Chip {
             }
             Place::Supply(offset) => self.supply.read(offset),
             Place::Lines(offset) => self.supply.read_line(offset),
-            Place::Flash(offset) => self.flash.read(offset),
+            Place::Flash(offset) => self.flash.read(offset, now),
             // Revision of an STM32F405: an emulator has none, and the image asks.
             Place::Identity => Some(0x1001_6413),
             Place::Held => Some(self.held.get(&address).copied().unwrap_or(0)),
@@ -159,9 +159,9 @@ impl Chip {
             }
             Place::Supply(offset) => self.supply.write(offset, value),
             Place::Lines(offset) => self.supply.write_line(offset, value),
-            Place::Flash(offset) => match self.flash.write(offset, value) {
-                FlashEffect::Erased { start, bytes, time } => {
-                    self.erased = Some((start, bytes));
+            Place::Flash(offset) => match self.flash.write(offset, value, now, self.executes_at) {
+                FlashEffect::Changed { content, time } => {
+                    self.changed.extend(content);
                     self.now += time;
                     true
                 }

@@ -20,6 +20,7 @@ use crate::chip::{Chip, Crystal, Kind, NMI, RAM, RAM_BYTES, ResetCause};
 use crate::time::Time;
 use crate::trace::Trace;
 use anyhow::{Result, anyhow, bail};
+use std::collections::BTreeSet;
 use std::path::Path;
 use unicorn_engine::{ArmCpuModel, Mode, RegisterARM, Unicorn};
 use world::World;
@@ -60,6 +61,8 @@ pub(crate) struct Board {
     cut_off: Vec<(u16, Time)>,
     /// Resets with their times.
     pub(crate) resets: Vec<(Time, ResetCause)>,
+    /// Double words of the flash that are or were lost.
+    watched: BTreeSet<u32>,
 }
 
 /// Part of the program that hangs.
@@ -111,6 +114,7 @@ impl Board {
             begun: Vec::new(),
             cut_off: Vec::new(),
             resets: Vec::new(),
+            watched: BTreeSet::new(),
         };
         // RAM after power-on is noise, from a generator with a fixed seed.
         let mut state = 0x9E37_79B9_u32;
@@ -159,13 +163,26 @@ impl Board {
         self.put(RegisterARM::PC, address | 1)
     }
 
-    /// Inverts a bit of the flash, as a cell that is worn out does.
+    /// Inverts a bit of the flash, as a cell that is worn out does. A flash with check bits would correct it, so there it is one of several.
     pub(crate) fn damage(&mut self, address: u32) -> Result<()> {
+        self.chip().flash.lose(address);
+        self.watch_lost()?;
         let at = (u64::from(address) - FLASH) as usize;
         let byte = &mut self.uc.get_data_mut().flash[at];
         *byte ^= 1;
         let byte = *byte;
         self.uc.mem_write(address.into(), &[byte]).map_err(failed)
+    }
+
+    /// Lets the flash tell of double words that are lost.
+    fn watch_lost(&mut self) -> Result<()> {
+        let lost: Vec<u32> = self.chip().flash.lost().iter().copied().collect();
+        for address in lost {
+            if self.watched.insert(address) {
+                world::watch_lost(&mut self.uc, address).map_err(failed)?;
+            }
+        }
+        Ok(())
     }
 
     /// Returns bytes of the flash.
@@ -224,6 +241,13 @@ impl Board {
                 self.reset(ResetCause::Watchdog)?;
                 continue;
             }
+            if std::mem::take(&mut chip.flash.loses_power) {
+                world::put_changed(&mut self.uc);
+                self.watch_lost()?;
+                self.reset(ResetCause::Power)?;
+                continue;
+            }
+            let chip = self.chip();
             if std::mem::take(&mut chip.asks_for_reset) {
                 self.reset(ResetCause::Software)?;
                 continue;

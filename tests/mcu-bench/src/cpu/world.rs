@@ -1,7 +1,7 @@
 //! Memories, registers and hooks of the CPU emulator.
 
 use super::{CYCLES_PER_INSTRUCTION, FLASH, FLASH_BYTES};
-use crate::chip::{Chip, RAM, RAM_BYTES};
+use crate::chip::{Chip, RAM, RAM_BYTES, Stored};
 use crate::time::Time;
 use unicorn_engine::{HookType, Prot, Unicorn};
 
@@ -70,41 +70,71 @@ impl World {
     }
 }
 
-/// Erases a sector.
-fn erase(uc: &mut Unicorn<'_, World>, start: u32, bytes: u32) {
-    let world = uc.get_data_mut();
-    let at = (u64::from(start) - FLASH) as usize;
-    world.flash[at..at + bytes as usize].fill(0xFF);
-    world.forget_blocks(at, bytes as usize);
-    // The region is mapped. Code that was translated from it is none any more.
-    let _ = uc.mem_write(start.into(), &vec![0xFF; bytes as usize]);
-    let _ = uc.ctl_remove_cache(start.into(), u64::from(start) + u64::from(bytes));
+/// Puts content of the flash that has changed into the memory.
+pub(super) fn put_changed(uc: &mut Unicorn<'_, World>) {
+    for (start, bytes) in std::mem::take(&mut uc.get_data_mut().chip.changed) {
+        let world = uc.get_data_mut();
+        let at = (u64::from(start) - FLASH) as usize;
+        world.flash[at..at + bytes.len()].copy_from_slice(&bytes);
+        world.forget_blocks(at, bytes.len());
+        // The region is mapped. Code that was translated from it is none any more.
+        let _ = uc.mem_write(start.into(), &bytes);
+        let _ = uc.ctl_remove_cache(start.into(), u64::from(start) + bytes.len() as u64);
+    }
 }
 
-/// Takes a store of the program to the flash. The store itself follows: a word that ends up as another one is an error of the bench, for
-/// the memory has the word that was stored.
+/// Takes a store of the program to the flash. The store itself follows: a word that ends up as another one is an error of the bench, unless
+/// the power goes or the cells are between two contents.
 fn store(uc: &mut Unicorn<'_, World>, address: u64, size: usize, value: u32) {
     let world = uc.get_data_mut();
     let at = (address - FLASH) as usize;
-    let place = world.flash.get_mut(at..at + 4);
-    let Some(bytes) = place.and_then(|place| place.first_chunk_mut::<4>()) else {
+    let before = world.flash.get(at / 8 * 8..).and_then(<[u8]>::first_chunk);
+    let Some(before) = before.copied() else {
         return;
     };
-    let taken = world
-        .chip
+    let chip = &mut world.chip;
+    let (now, executes_at) = (chip.now, chip.executes_at);
+    let stored = chip
         .flash
-        .store(u32::from_le_bytes(*bytes), value, size);
-    match taken {
-        Some((word, time)) if word == value => {
-            *bytes = word.to_le_bytes();
-            world.chip.now += time;
-            world.forget_blocks(at, 4);
+        .store(address as u32, value, size, before, now, executes_at);
+    match stored {
+        Stored::Waits => {}
+        Stored::Taken {
+            content: (start, bytes),
+            time,
+        } => {
+            chip.now += time;
+            let at = (u64::from(start) - FLASH) as usize;
+            world.flash[at..at + bytes.len()].copy_from_slice(&bytes);
+            world.forget_blocks(at, bytes.len());
         }
-        _ => {
+        Stored::Other(content) => chip.changed.push(content),
+        Stored::Wrong => {
             let text = format!("store of {value:#010x} to the flash at {address:#010x}");
-            world.chip.unknown.insert(text);
+            chip.unknown.insert(text);
         }
     }
+    // A loss of power is looked at.
+    if world.chip.flash.loses_power {
+        world.chip.stop_at = world.chip.now;
+    }
+}
+
+/// Lets the flash tell that the double word at `address` is lost, whenever the program reads it.
+pub(super) fn watch_lost(
+    uc: &mut Unicorn<'static, World>,
+    address: u32,
+) -> Result<(), unicorn_engine::uc_error> {
+    let (first, last) = (address.into(), u64::from(address) + 7);
+    uc.add_mem_hook(HookType::MEM_READ, first, last, |uc, _, address, _, _| {
+        let chip = &mut uc.get_data_mut().chip;
+        if chip.flash.is_told_lost(address as u32) {
+            chip.interrupts.fail();
+            chip.stop_at = chip.now;
+        }
+        true
+    })?;
+    Ok(())
 }
 
 /// Maps memories and registers, and sets the hooks.
@@ -132,9 +162,7 @@ pub(super) fn set_up(uc: &mut Unicorn<'static, World>) -> Result<(), unicorn_eng
                     let World { chip, accessed, .. } = uc.get_data_mut();
                     *accessed = true;
                     chip.write((start + offset) as u32, size, value as u32);
-                    if let Some((start, bytes)) = uc.get_data_mut().chip.erased.take() {
-                        erase(uc, start, bytes);
-                    }
+                    put_changed(uc);
                 },
             ),
         )?;
@@ -159,6 +187,7 @@ pub(super) fn set_up(uc: &mut Unicorn<'static, World>) -> Result<(), unicorn_eng
         let count = u64::from(world.count(address, bytes));
         world.instructions += count;
         world.block_begin = world.chip.now;
+        world.chip.executes_at = address as u32;
         world.accessed = false;
         world.chip.now += count * CYCLES_PER_INSTRUCTION * world.chip.core_period();
     })?;
