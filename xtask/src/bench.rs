@@ -130,27 +130,24 @@ fn check(arguments: &BenchArgs, bench: &Path, scene: &SceneFile) -> Result<()> {
     let mut command = Command::new(bench);
     // An image with another line is another file.
     let line = if arguments.usb { "-usb" } else { "" };
-    let with_line = |cargo: &mut Command| {
-        if arguments.usb {
-            cargo.env("LINE", "usb");
-        }
-    };
     if arguments.usb {
         command.arg("--usb");
     }
     if is_for_g474 {
         command.args(["--chip", "stm32g474"]);
     }
-    let built = image.build_as(line, with_line)?;
+    let built = image.build_as(line, |cargo| {
+        if arguments.usb {
+            cargo.env("LINE", "usb");
+        }
+    })?;
     if arguments.usb {
         symbols::check_mark(&built, symbols::USB_LINE)?;
     }
     command.arg(&scene.path).arg(built);
-    let asks =
-        |name: &str| arguments.case.is_empty() || arguments.case.iter().any(|case| case == name);
-    if has_steppers(scene)? && asks("panic") {
-        let panicking = image.build_as(&format!("{line}-panic"), |cargo| {
-            with_line(cargo);
+    // Over USB it has panicked before a host finds it.
+    if has_steppers(scene)? && !arguments.usb {
+        let panicking = image.build_as("-panic", |cargo| {
             cargo
                 .args(["--features", "fault-injection"])
                 .env("FAULT", "panic");

@@ -1,6 +1,7 @@
 //! Controllers of USB by their registers, as devices at full speed, and the clock of 48 MHz that they take.
 
 mod device;
+mod endpoint;
 mod oscillator;
 mod otg;
 

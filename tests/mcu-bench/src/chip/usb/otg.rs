@@ -1,5 +1,8 @@
 //! OTG controller at full speed of the STM32F405, as a device (RM0090, chapter 34): FIFOs that the program reads and writes.
 
+use super::endpoint::{
+    ACTIVE, COMPLETE, EMPTY, HalfEndpoint, NO_DATA, ON, REFUSES, SET_UP_DONE, STALLS,
+};
 use super::{Answer, BusSignal, UsbController, UsbPacket};
 use std::collections::VecDeque;
 
@@ -17,27 +20,6 @@ const ENUMERATED: u32 = 1 << 13;
 const OF_INS: u32 = 1 << 18;
 const OF_OUTS: u32 = 1 << 19;
 const WAKE_UP: u32 = 1 << 31;
-
-/// Control of an endpoint: active, refuses, stalls, clear and set of the refusal, even and odd toggle, off, on.
-const ACTIVE: u32 = 1 << 15;
-const REFUSES: u32 = 1 << 17;
-const STALLS: u32 = 1 << 21;
-const CLEAR_REFUSAL: u32 = 1 << 26;
-const SET_REFUSAL: u32 = 1 << 27;
-const EVEN: u32 = 1 << 28;
-const ODD: u32 = 1 << 29;
-const OFF: u32 = 1 << 30;
-const ON: u32 = 1 << 31;
-
-/// What a program writes as it is: size, type, FIFO, and whether it is active.
-const SETTINGS: u32 = 0x7FF | ACTIVE | 3 << 18 | 0xF << 22;
-
-/// Flags of an endpoint: transfer complete, off, and by direction the end of a control transfer's first packet, and a token without data.
-const COMPLETE: u32 = 1 << 0;
-const IS_OFF: u32 = 1 << 1;
-const SET_UP_DONE: u32 = 1 << 3;
-const NO_DATA: u32 = 1 << 4;
-const EMPTY: u32 = 1 << 7;
 
 /// Kinds of entries in the FIFO of the receiver.
 const DATA: u32 = 2;
@@ -59,85 +41,6 @@ const INTERRUPT: u16 = 67;
 struct ReceiverEntry {
     status: u32,
     words: VecDeque<u32>,
-}
-
-/// One direction of an endpoint.
-#[derive(Clone, Debug, Default)]
-struct HalfEndpoint {
-    control: u32,
-    flags: u32,
-    /// Packets and bytes to go.
-    size: u32,
-    is_odd: bool,
-    /// Words to the host.
-    fifo: VecDeque<u32>,
-}
-
-impl HalfEndpoint {
-    fn most_bytes(&self, number: usize) -> u32 {
-        match number {
-            0 => 64 >> (self.control & 3),
-            _ => self.control & 0x7FF,
-        }
-    }
-
-    fn packets(&self) -> u32 {
-        self.size >> 19 & 0x3FF
-    }
-
-    fn bytes(&self) -> u32 {
-        self.size & 0x7_FFFF
-    }
-
-    /// Returns what a token gets that no data can answer.
-    fn refusal(&self) -> Option<Answer> {
-        if self.control & ACTIVE == 0 {
-            return Some(Answer::Silence);
-        }
-        if self.control & STALLS != 0 {
-            return Some(Answer::Stall);
-        }
-        (self.control & ON == 0 || self.control & REFUSES != 0).then_some(Answer::NotNow)
-    }
-
-    /// Counts a packet. Returns true if it was the last one.
-    fn count(&mut self, bytes: u32) -> bool {
-        // A count of none: the manual does not say what the core does. Here each packet is a transfer then.
-        let packets = self.packets().saturating_sub(1);
-        self.size = packets << 19 | self.bytes().saturating_sub(bytes);
-        self.is_odd = !self.is_odd;
-        packets == 0
-    }
-
-    fn read(&self) -> u32 {
-        self.control | u32::from(self.is_odd) << 16
-    }
-
-    fn write(&mut self, number: usize, value: u32) {
-        let kept = self.control & (ON | REFUSES);
-        // A control endpoint stalls until the next transfer begins.
-        let stalls = match number {
-            0 => (self.control | value) & STALLS | ACTIVE,
-            _ => value & STALLS,
-        };
-        self.control = value & SETTINGS | kept | stalls;
-        if value & CLEAR_REFUSAL != 0 {
-            self.control &= !REFUSES;
-        }
-        if value & SET_REFUSAL != 0 {
-            self.control |= REFUSES;
-        }
-        if value & (EVEN | ODD) != 0 {
-            self.is_odd = value & ODD != 0;
-        }
-        if value & ON != 0 {
-            self.control |= ON;
-        }
-        if value & OFF != 0 && self.control & ON != 0 {
-            self.control &= !ON;
-            self.flags |= IS_OFF;
-        }
-    }
 }
 
 /// The controller.
@@ -580,6 +483,7 @@ impl UsbController for OtgFs {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chip::usb::endpoint::{CLEAR_REFUSAL, EVEN, SET_REFUSAL};
 
     /// With endpoint 1 on in both directions, and the address 0.
     fn started() -> OtgFs {
