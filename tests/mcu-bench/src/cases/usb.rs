@@ -12,7 +12,7 @@ use anyhow::{Context, Result, ensure};
 use trirrr_bench::faulty_link::Random;
 use trirrr_protocol::message::{Command, Message, Reply, Request};
 
-/// From the pull-up of D+ to the open port: 134 ms of it are waits of the host.
+/// From the pull-up of D+ to the open port: 142 ms of it are waits of the host.
 const ENUMERATED_WITHIN: Time = 150 * MS;
 
 /// Time for a host that is back, with its enumeration.
