@@ -87,7 +87,7 @@ pub(crate) fn run(arguments: &BenchArgs) -> Result<()> {
     for scene in &scenes {
         check(arguments, &bench, scene).with_context(|| scene.name.clone())?;
     }
-    if arguments.scenes.is_empty() {
+    if arguments.scenes.is_empty() && arguments.case.is_empty() {
         for g474 in [false, true] {
             let arguments = BenchArgs {
                 scenes: vec![USB_SCENE.to_owned()],
