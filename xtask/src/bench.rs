@@ -6,6 +6,7 @@
 use crate::boot;
 use crate::image::Image;
 use crate::repository::{self, SceneFile, cargo, target_directory};
+use crate::symbols;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use std::env;
@@ -33,6 +34,20 @@ pub(crate) const UPDATED: [&str; 2] = [
     "tests/mcu-bench/scenes/other.toml",
 ];
 
+/// Scene whose images have their line over USB, on both chips, and the cases that look at that.
+const USB_SCENE: &str = "inputs/guarded";
+const USB_CASES: [&str; 9] = [
+    "power-up",
+    "crystal",
+    "job",
+    "cable",
+    "enumeration",
+    "bus-reset",
+    "suspend",
+    "reader",
+    "transfer",
+];
+
 /// Number type of the images: the bench talks to them in it.
 const SCALAR: &str = "f32";
 
@@ -43,6 +58,9 @@ pub(crate) struct BenchArgs {
     /// Images for the STM32G474, whatever board the scene names
     #[arg(long)]
     g474: bool,
+    /// Images with their line over USB, whatever port the board file names
+    #[arg(long, requires = "scenes")]
+    usb: bool,
     /// Case to run, all without; repeat for more
     #[arg(long)]
     case: Vec<String>,
@@ -68,6 +86,18 @@ pub(crate) fn run(arguments: &BenchArgs) -> Result<()> {
     let bench = build()?;
     for scene in &scenes {
         check(arguments, &bench, scene).with_context(|| scene.name.clone())?;
+    }
+    if arguments.scenes.is_empty() && arguments.case.is_empty() {
+        for g474 in [false, true] {
+            let arguments = BenchArgs {
+                scenes: vec![USB_SCENE.to_owned()],
+                g474,
+                usb: true,
+                case: USB_CASES.map(str::to_owned).into(),
+                vcd: None,
+            };
+            run(&arguments)?;
+        }
     }
     Ok(())
 }
@@ -98,11 +128,25 @@ fn check(arguments: &BenchArgs, bench: &Path, scene: &SceneFile) -> Result<()> {
         false => Image::firmware(scene, SCALAR),
     };
     let mut command = Command::new(bench);
+    // An image with another line is another file.
+    let line = if arguments.usb { "-usb" } else { "" };
+    if arguments.usb {
+        command.arg("--usb");
+    }
     if is_for_g474 {
         command.args(["--chip", "stm32g474"]);
     }
-    command.arg(&scene.path).arg(image.build()?);
-    if has_steppers(scene)? {
+    let built = image.build_as(line, |cargo| {
+        if arguments.usb {
+            cargo.env("LINE", "usb");
+        }
+    })?;
+    if arguments.usb {
+        symbols::check_mark(&built, symbols::USB_LINE)?;
+    }
+    command.arg(&scene.path).arg(built);
+    // Over USB it has panicked before a host finds it.
+    if has_steppers(scene)? && !arguments.usb {
         let panicking = image.build_as("-panic", |cargo| {
             cargo
                 .args(["--features", "fault-injection"])

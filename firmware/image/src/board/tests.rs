@@ -445,10 +445,11 @@ fn a_driver_of_steppers_has_less_time_where_usb_masks_the_slots() {
     };
     let same = ("[line]", "[line]");
     assert!(over_usb("nucleo-g474re", same, of(41_000)).is_ok());
-    let text = refusal(over_usb("nucleo-g474re", same, of(81_000)));
+    assert!(over_usb("nucleo-g474re", same, of(81_000)).is_ok());
+    let text = refusal(over_usb("nucleo-g474re", same, of(121_000)));
     assert!(
         text.contains("stepper.pulse_us = 2: the steppers of scenes/own.toml have 0.00 us for it")
-            && text.contains("less 17.29 us that an edge may be late; step_rate_limit_hz of"),
+            && text.contains("less 8.47 us that an edge may be late; step_rate_limit_hz of"),
         "{text}"
     );
     assert!(over_usb("generic-f405", same, of(81_000)).is_err());

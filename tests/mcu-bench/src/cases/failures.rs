@@ -1,6 +1,6 @@
 //! Failures in the middle of a job: the time until every output is off, and what the board says afterwards.
 
-use super::{OSCILLATOR_HZ, Row, Subject, fact, name, never_on, off_within};
+use super::{OSCILLATOR_HZ, Row, Subject, fact, name, never_on, off_within, usb};
 use crate::chip::ResetCause;
 use crate::cpu::{Board, Hang};
 use crate::time::{MS, Time, of_seconds, period};
@@ -183,6 +183,14 @@ pub(super) fn clock(subject: &Subject) -> Result<Vec<Row>> {
     let (mut board, _) = subject.in_mid_job(OSCILLATOR_HZ[0])?;
     let since = board.now();
     board.stop_crystal();
+    let outputs = subject.outputs();
+    if subject.has_usb {
+        // Without the crystal no host hears what the board has to tell.
+        board.run(since + FAILS_WITHIN + AFTER)?;
+        let what = "in mid-move";
+        let off = off_within(&board, &outputs, "clock", what, since, FAILS_WITHIN);
+        return Ok(vec![off]);
+    }
     let mut rows = failed(
         subject,
         &mut board,
@@ -199,7 +207,6 @@ pub(super) fn clock(subject: &Subject) -> Result<Vec<Row>> {
         format!("{:?}", identity.board.clock)
     });
     rows.push(fact("clock", "clock after the start", clock, "Internal"));
-    let outputs = subject.outputs();
     let after = "after the crystal has stopped".into();
     rows.push(never_on(
         &board,
@@ -274,7 +281,7 @@ pub(super) fn cable(subject: &Subject) -> Result<Vec<Row>> {
     // The last request may have come any time before; the ramp follows, and a tick of the steppers.
     let bound = of_seconds(service.silence_timeout_s + service.hold_ramp_s) + 3 * tick;
     let since = board.now();
-    host.is_cut = true;
+    host.cut(&mut board);
     let end = since + bound + 200 * MS;
     host.run(&mut board, end)?;
     let outputs = subject.outputs();
@@ -283,14 +290,18 @@ pub(super) fn cable(subject: &Subject) -> Result<Vec<Row>> {
         .into_iter()
         .filter(|output| output.name != "drives" && output.name != "tool enable")
         .collect();
-    Ok(vec![off_within(
+    let mut rows = vec![off_within(
         &board,
         &moving,
         "cable",
         "cable pulled: steps and tool",
         since,
         bound,
-    )])
+    )];
+    if subject.has_usb {
+        rows.extend(usb::plugged_in(subject, &mut board)?);
+    }
+    Ok(rows)
 }
 
 /// The emergency stop is pressed.

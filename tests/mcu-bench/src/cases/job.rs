@@ -1,6 +1,6 @@
 //! The scene's job on the pins: steps against the angles of telemetry, pulses of the tool against its power.
 
-use super::{Row, Subject, fact, time};
+use super::{Row, Subject, fact, slots, time};
 use crate::chip::{SYS_TICK, TIM7};
 use crate::cpu::{Board, CYCLES_PER_INSTRUCTION};
 use crate::host::Host;
@@ -19,10 +19,6 @@ pub(super) const FIRST_TICK: u32 = 1;
 
 /// Microsteps that a pulse may be away from the straight line between the positions of two ticks.
 const MOST_OFF: f64 = 1.0;
-
-/// Cycles of the core by which an edge may come late, against the next one at its driver: the build checks the times of a board file
-/// with them (`firmware/image/src/board/clock.rs`).
-const LATE_CYCLES: Time = 440;
 
 /// Least cycles from one slot to the next: an image refuses fewer (`firmware/boards/stm32/drives/stepper.rs`).
 const SLOT_CYCLES: Time = 800;
@@ -328,8 +324,11 @@ fn steps(subject: &Subject, board: &Board, played: &Played) -> Result<Vec<Row>> 
             first_step = first_step.min(on.map_or(0, |on| first - on.time));
         }
     }
-    // A slot begins late by the block that its interrupt waits for, and the pins follow within it.
-    let bound = slot - slot / 8;
+    // A slot begins late by the block that its interrupt waits for, or by what USB masks, and the pins follow within it.
+    let bound = match subject.has_usb {
+        true => slot - slots::late_cycles(subject) * board.core_period(),
+        false => slot - slot / 8,
+    };
     rows.push(Row {
         case: "job",
         subject: format!(
@@ -351,7 +350,7 @@ fn steps(subject: &Subject, board: &Board, played: &Played) -> Result<Vec<Row>> 
         (
             "an edge late by at most",
             slot.saturating_sub(shortest),
-            LATE_CYCLES,
+            slots::late_cycles(subject),
         ),
         ("the longest run", played.longest_slot, SLOT_CYCLES),
     ] {

@@ -7,12 +7,15 @@ mod install;
 mod job;
 mod line;
 mod power_up;
+mod slots;
 mod update;
+mod usb;
 
 use crate::chip::{Crystal, Kind, ResetCause};
 use crate::cpu::Board;
 use crate::host::Host;
 use crate::time::{MS, SECOND, Time};
+use crate::usb::UsbHost;
 use crate::wiring::{self, Output};
 use anyhow::{Result, ensure};
 use std::path::{Path, PathBuf};
@@ -36,6 +39,8 @@ pub(crate) struct Subject {
     pub(crate) scene: Scene,
     /// Chip that the images are for.
     pub(crate) kind: Kind,
+    /// The line is USB.
+    pub(crate) has_usb: bool,
     /// The image that is flashed.
     pub(crate) image: PathBuf,
     /// The same with a panic in its 50th tick.
@@ -61,6 +66,8 @@ pub(crate) enum Needs {
     NoDrives,
     /// None: the image takes scenes over the line.
     SceneOverLine,
+    /// Steppers, and the line over USB.
+    Usb,
 }
 
 /// Case of the bench.
@@ -77,7 +84,7 @@ impl Case {
 }
 
 /// All cases.
-pub(crate) const CASES: [Case; 23] = [
+pub(crate) const CASES: [Case; 28] = [
     Case::of("power-up", Needs::Any, power_up::rest),
     Case::of("crystal", Needs::Any, power_up::crystal),
     Case::of("job", Needs::Steppers, job::run),
@@ -101,6 +108,11 @@ pub(crate) const CASES: [Case; 23] = [
     Case::of("line", Needs::NoDrives, line::damaged),
     Case::of("late", Needs::NoDrives, line::late),
     Case::of("install", Needs::SceneOverLine, install::run),
+    Case::of("enumeration", Needs::Usb, usb::enumeration),
+    Case::of("bus-reset", Needs::Usb, usb::bus_reset),
+    Case::of("suspend", Needs::Usb, usb::suspend),
+    Case::of("reader", Needs::Usb, usb::reader),
+    Case::of("transfer", Needs::Usb, usb::transfer),
 ];
 
 impl Subject {
@@ -120,6 +132,7 @@ impl Subject {
         if self.has(Needs::Bus) {
             board.chip().bus = Some(crate::bus::of_scene(&self.scene)?);
         }
+        board.chip().plug = self.has_usb.then(UsbHost::new);
         // Contacts to ground: released, and closed.
         for pin in [wiring::STOP, wiring::DOOR] {
             board.chip().drive(pin, Some(false));
@@ -139,6 +152,16 @@ impl Subject {
         while board.handled.len() == ticks && board.now() < end {
             board.run(board.now() + MS)?;
         }
+        // A program finds the port once the board is enumerated.
+        while board
+            .chip()
+            .plug
+            .as_ref()
+            .is_some_and(|plug| !plug.is_open())
+            && board.now() < end
+        {
+            board.run(board.now() + MS)?;
+        }
         Host::new(scene)
     }
 
@@ -150,6 +173,7 @@ impl Subject {
             Needs::Update => self.update.is_some(),
             Needs::SceneOverLine => self.update.is_some() && self.scene.service.scene_over_line,
             Needs::Steppers => matches!(kind, Some(DriveKind::Stepper(_))),
+            Needs::Usb => self.has_usb && self.has(Needs::Steppers),
             Needs::Protection => self.has(Needs::Steppers) && self.kind == Kind::Stm32f405,
             Needs::Amplifiers => matches!(kind, Some(DriveKind::Bldc(_))),
             // The scene of an image that is replaced has small motors, which the random jobs ask too much of.

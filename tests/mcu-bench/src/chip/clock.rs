@@ -5,6 +5,9 @@ use crate::time::{MS, SECOND, Time, period};
 /// Clock of the internal oscillator, Hz.
 const HSI_HZ: u64 = 16_000_000;
 
+/// Part by which it may be off at room temperature, by its data sheet. Only USB asks for less.
+const HSI_ERROR: f64 = 0.01;
+
 /// Time until the crystal is ready, of one that starts.
 const CRYSTAL_START: Time = 2 * MS;
 
@@ -148,6 +151,18 @@ impl ClockControl {
         let divider = Time::from(self.configuration >> 16 & 31);
         (self.crystal_is_ready(now) && divider > 1)
             .then(|| divider * period(u64::from(mhz) * 1_000_000))
+    }
+
+    /// Returns the part by which the PLL's clock for USB is off 48 MHz; none if it does not run.
+    pub(crate) fn usb_error(&self, now: Time) -> Option<f64> {
+        let hz = match self.crystal {
+            _ if !self.pll_is_ready(now) => return None,
+            _ if self.pll & PLL_OF_CRYSTAL == 0 => HSI_HZ as f64 * (1.0 + HSI_ERROR),
+            Crystal::Runs { mhz } => f64::from(mhz) * 1e6,
+            Crystal::Missing => return None,
+        };
+        let (m, n, q) = (self.pll & 0x3F, self.pll >> 6 & 0x1FF, self.pll >> 24 & 15);
+        Some(hz / f64::from(m) * f64::from(n) / f64::from(q) / 48e6 - 1.0)
     }
 
     pub(crate) fn read(&self, offset: u32, now: Time) -> Option<u32> {

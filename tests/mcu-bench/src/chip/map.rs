@@ -1,6 +1,6 @@
 //! Addresses of the peripherals.
 
-use super::{Kind, PORTS, g474};
+use super::{Kind, PORTS, g474, usb};
 
 /// Interrupt of TIM7: the slots of the steppers.
 pub(crate) const TIM7: u16 = 55;
@@ -51,6 +51,10 @@ pub(super) enum Place {
     Supply(u32),
     Lines(u32),
     Flash(u32),
+    Usb(u32),
+    Packets(u32),
+    Trimming(u32),
+    Number(u32),
     Identity,
     Held,
     Unknown,
@@ -63,6 +67,9 @@ pub(super) fn place(kind: Kind, address: u32) -> Place {
             .contains(&address)
             .then(|| address - start)
     };
+    if let Some(place) = usb::place(kind, address) {
+        return place;
+    }
     if kind == Kind::Stm32g474
         && let Some(place) = g474::place(address)
     {

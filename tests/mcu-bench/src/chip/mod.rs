@@ -18,6 +18,7 @@ mod registers;
 mod serial;
 mod supply;
 mod timer;
+mod usb;
 mod watchdog;
 
 pub(crate) use clock::{ClockControl, Clocks, Crystal, ResetCause};
@@ -27,11 +28,13 @@ pub(crate) use map::TIM7;
 pub(crate) use memory::{RAM, RAM_BYTES};
 pub(crate) use port::{Mode, Port};
 pub(crate) use serial::Serial;
+pub(crate) use usb::{Answer, BusSignal, UsbController, UsbPacket};
 
 use crate::bus::CanBus;
 use crate::rotors::Rotors;
 use crate::time::Time;
 use crate::trace::{Level, Pin, Trace};
+use crate::usb::UsbHost;
 use crate::wiring;
 use can::{BxCan, CanController, FdCan};
 use capture::CrystalCapture;
@@ -41,6 +44,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use supply::Supply;
 use timer::Timer;
 use trirrr_boot::Layout;
+use usb::Hsi48;
 use watchdog::Watchdog;
 
 /// Ports A to E.
@@ -109,6 +113,10 @@ pub(crate) struct Chip {
     can: Box<dyn CanController>,
     /// Bus at the controller.
     pub(crate) bus: Option<Box<dyn CanBus>>,
+    usb: Box<dyn UsbController>,
+    oscillator: Hsi48,
+    /// Host at the plug of USB, for an image that has its line there.
+    pub(crate) plug: Option<UsbHost>,
     supply: Supply,
     pub(crate) flash: FlashControl,
     /// Content of the flash that is not in the memory of the emulator yet.
@@ -148,6 +156,9 @@ impl Chip {
             rotors: None,
             can: kind.controller(),
             bus: None,
+            usb: usb::controller(kind),
+            oscillator: Hsi48::new(),
+            plug: None,
             supply: Supply::new(),
             flash: FlashControl::new(kind),
             changed: Vec::new(),
@@ -179,6 +190,8 @@ impl Chip {
         self.watchdog.reset();
         self.capture = CrystalCapture::default();
         self.can = self.kind.controller();
+        self.usb = usb::controller(self.kind);
+        self.oscillator = Hsi48::new();
         self.supply.reset();
         self.flash.reset();
         // What a debugger has set stays.
@@ -195,6 +208,12 @@ impl Chip {
     /// Returns how often the controller has gone off the bus.
     pub(crate) fn bus_offs(&self) -> u32 {
         self.can.confinement().offs()
+    }
+
+    /// Returns the time from one call of a timer's interrupt to the next.
+    pub(crate) fn slot_period(&self) -> Option<Time> {
+        let index = TIMERS.iter().position(|timer| timer.2 == TIM7)?;
+        self.timers.get(index).map(Timer::period)
     }
 
     /// Returns the line.
@@ -258,6 +277,7 @@ impl Chip {
         }
         self.advance_serials();
         self.advance_can();
+        self.advance_usb();
         self.set_lines();
     }
 
@@ -306,6 +326,8 @@ impl Chip {
             .set_line(supply::PVD, self.supply.interrupts());
         self.interrupts
             .set_line(self.can.interrupt(), self.can.interrupts());
+        self.interrupts
+            .set_line(self.usb.interrupt(), self.usb.interrupts());
         for (serial, (_, interrupt)) in self.serials.iter().zip(SERIALS) {
             self.interrupts.set_line(interrupt, serial.interrupts());
         }
@@ -321,6 +343,7 @@ impl Chip {
             .chain(self.interrupts.tick.next(self.clocks.core))
             .chain(self.watchdog.bite())
             .chain(self.can.confinement().next(self.bus.as_deref()))
+            .chain(self.plug.as_ref().map(UsbHost::next))
             .min()
     }
 }

@@ -4,7 +4,7 @@ use super::flash::FlashEffect;
 use super::interrupts::Effect;
 use super::map::{Place, TIMERS, place, single_bit};
 use super::timer::Timer;
-use super::{Chip, PORTS, g474};
+use super::{Chip, PORTS, g474, usb};
 
 const RESET_OF_PORTS: u32 = 0x4002_3810;
 const RESETS_OF_APB1: u32 = 0x4002_3820;
@@ -76,6 +76,17 @@ impl Chip {
             Place::Supply(offset) => self.supply.read(offset),
             Place::Lines(offset) => self.supply.read_line(offset),
             Place::Flash(offset) => self.flash.read(offset, now),
+            Place::Usb(offset) if self.has_usb() => {
+                self.advance_usb();
+                let read = self.usb.read(offset);
+                self.set_lines();
+                read
+            }
+            Place::Packets(offset) if self.has_usb() => self.usb.read_packets(offset),
+            // The controller has no clock.
+            Place::Usb(_) | Place::Packets(_) => None,
+            Place::Trimming(offset) => self.oscillator.read(offset, now),
+            Place::Number(word) => Some(0x0041_0032 + word),
             // Revision of an STM32F405: an emulator has none, and the image asks.
             Place::Identity => Some(0x1001_6413),
             Place::Held => Some(self.held.get(&address).copied().unwrap_or(0)),
@@ -167,11 +178,21 @@ impl Chip {
                 }
                 effect => effect == FlashEffect::None,
             },
+            Place::Usb(offset) if self.has_usb() => {
+                self.advance_usb();
+                self.usb.write(offset, value)
+            }
+            Place::Packets(offset) if self.has_usb() => {
+                let offset = offset + (address & 3);
+                self.usb.write_packets(offset, size, value)
+            }
+            Place::Usb(_) | Place::Packets(_) => false,
+            Place::Trimming(offset) => self.oscillator.write(offset, value, now),
             Place::Held => {
                 self.hold(address, value);
                 true
             }
-            Place::Identity | Place::Unknown => false,
+            Place::Identity | Place::Number(_) | Place::Unknown => false,
         };
         // What was set up moves its first byte at once.
         self.advance_serials();
@@ -186,6 +207,9 @@ impl Chip {
     /// Keeps a value, and resets the peripherals that it says.
     fn hold(&mut self, address: u32, value: u32) {
         self.held.insert(address, value);
+        if self.resets_usb(address, value) {
+            self.usb = usb::controller(self.kind);
+        }
         match address {
             RESET_OF_PORTS | g474::RESET_OF_PORTS => {
                 for index in 0..PORTS.len() {

@@ -94,7 +94,8 @@ impl Timer {
         self.clock * (Time::from(self.prescaler) + 1)
     }
 
-    fn period(&self) -> Time {
+    /// Returns the time from one update to the next.
+    pub(crate) fn period(&self) -> Time {
         self.count_time() * (Time::from(self.reload) + 1)
     }
 

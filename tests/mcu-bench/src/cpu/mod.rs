@@ -23,13 +23,16 @@ use anyhow::{Result, anyhow, bail};
 use std::collections::BTreeSet;
 use std::path::Path;
 use unicorn_engine::{ArmCpuModel, Mode, RegisterARM, Unicorn};
-use world::World;
+use world::{Masks, World};
 
 /// Mean cycles of an instruction from flash; `docs/cycles.md` has from 1.4 in fixed point to 2.0 in f32.
 pub(crate) const CYCLES_PER_INSTRUCTION: u64 = 2;
 
 const FLASH: u64 = 0x0800_0000;
 const FLASH_BYTES: u64 = 1024 * 1024;
+
+/// Word with which the start of the program (cortex-m-rt) paints the stack.
+const PAINT: [u8; 4] = [0xCC; 4];
 
 /// No address: the emulator runs until it is stopped.
 const NEVER: u64 = u64::MAX;
@@ -98,6 +101,7 @@ impl Board {
             bad_address: None,
             longest_block: 0,
             instructions: 0,
+            masks: None,
         };
         let mut uc = Unicorn::new_with_data(unicorn_engine::Arch::ARM, Mode::MCLASS, world)
             .map_err(failed)?;
@@ -201,6 +205,25 @@ impl Board {
         (world.instructions, world.longest_block)
     }
 
+    /// Returns the bytes at the end of the stack, which is the beginning of the RAM, that have kept their paint since the last start.
+    pub(crate) fn painted_stack(&self) -> Result<usize> {
+        let mut memory = vec![0; RAM_BYTES as usize];
+        self.uc.mem_read(RAM, &mut memory).map_err(failed)?;
+        let words = memory.chunks(4);
+        Ok(4 * words.take_while(|word| *word == PAINT).count())
+    }
+
+    /// Measures from now on for how long all interrupts are masked.
+    pub(crate) fn watch_masks(&mut self) {
+        self.uc.get_data_mut().masks = Some(Masks::default());
+    }
+
+    /// Returns the longest time for which all interrupts were masked while that was measured.
+    pub(crate) fn longest_mask(&self) -> Time {
+        let masks = &self.uc.get_data().masks;
+        masks.map_or(0, |masks| masks.longest)
+    }
+
     /// Resets the chip and starts the program.
     pub(crate) fn reset(&mut self, cause: ResetCause) -> Result<()> {
         let chip = self.chip();
@@ -259,14 +282,22 @@ impl Board {
                 chip.now = bite.min(end).max(chip.now);
                 continue;
             }
-            self.take_interrupt()?;
+            let is_masked = self.take_interrupt()?;
             let stop = self.chip().next_event().unwrap_or(end).min(end);
             if self.is_hung() {
                 let chip = self.chip();
                 chip.now = stop.max(chip.now);
                 continue;
             }
-            self.execute(stop)?;
+            match is_masked {
+                // Block by block: the interrupt comes behind the one that lifts the mask.
+                true => {
+                    let now = self.now();
+                    self.execute(now)?;
+                    self.uc.get_data_mut().accessed = true;
+                }
+                false => self.execute(stop)?,
+            }
         }
         let chip = self.chip();
         chip.advance();
@@ -283,19 +314,19 @@ impl Board {
         }
     }
 
-    /// Enters the exception that is due, if the masks let it.
-    fn take_interrupt(&mut self) -> Result<()> {
+    /// Enters the exception that is due, if the masks let it. Returns true if they do not.
+    fn take_interrupt(&mut self) -> Result<bool> {
         let Some(exception) = self.chip().interrupts.due() else {
-            return Ok(());
+            return Ok(false);
         };
         let base = self.get(RegisterARM::BASEPRI)?;
         let masked = exception != NMI
             && (self.get(RegisterARM::PRIMASK)? & 1 != 0
                 || !self.chip().interrupts.passes(exception, base));
-        match masked {
-            true => Ok(()),
-            false => self.enter(exception),
+        if !masked {
+            self.enter(exception)?;
         }
+        Ok(masked)
     }
 
     /// Executes blocks until `stop`, or until something has to be looked at.

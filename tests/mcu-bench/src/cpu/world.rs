@@ -3,14 +3,18 @@
 use super::{CYCLES_PER_INSTRUCTION, FLASH, FLASH_BYTES};
 use crate::chip::{Chip, RAM, RAM_BYTES, Stored};
 use crate::time::Time;
-use unicorn_engine::{HookType, Prot, Unicorn};
+use unicorn_engine::{HookType, Prot, RegisterARM, Unicorn};
 
-/// Regions of registers: peripherals, their bits one by one, system, debug.
-const REGISTERS: [(u64, u64); 5] = [
+/// Regions of registers: peripherals, their bits one by one, system, debug, and constants of the chip.
+const REGISTERS: [(u64, u64); 7] = [
     (0x4000_0000, 0x8_0000),
     (0x4200_0000, 0x100_0000),
     // Ports of an STM32G474.
     (0x4800_0000, 0x2000),
+    // USB of an STM32F405.
+    (0x5000_0000, 0x2_0000),
+    // Number of the chip.
+    (0x1FFF_7000, 0x1000),
     (0xE000_E000, 0x1000),
     (0xE004_2000, 0x1000),
 ];
@@ -36,6 +40,29 @@ pub(crate) struct World {
     /// Most instructions of a block so far.
     pub(super) longest_block: u16,
     pub(super) instructions: u64,
+    /// Times for which the program masks all interrupts, if somebody asks.
+    pub(super) masks: Option<Masks>,
+}
+
+/// Longest time for which all interrupts were masked, to a block.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Masks {
+    since: Option<Time>,
+    pub(super) longest: Time,
+}
+
+impl Masks {
+    /// A block begins, with interrupts masked or not.
+    fn see(&mut self, now: Time, masked: bool) {
+        match (masked, self.since) {
+            (true, None) => self.since = Some(now),
+            (false, Some(since)) => {
+                self.longest = self.longest.max(now - since);
+                self.since = None;
+            }
+            _ => {}
+        }
+    }
 }
 
 impl World {
@@ -184,6 +211,14 @@ pub(super) fn set_up(uc: &mut Unicorn<'static, World>) -> Result<(), unicorn_eng
             let _ = uc.emu_stop();
             return;
         }
+        if world.masks.is_some() {
+            let masked = uc.reg_read(RegisterARM::PRIMASK).unwrap_or(0) & 1 != 0;
+            let World { chip, masks, .. } = uc.get_data_mut();
+            if let Some(masks) = masks {
+                masks.see(chip.now, masked);
+            }
+        }
+        let world = uc.get_data_mut();
         let count = u64::from(world.count(address, bytes));
         world.instructions += count;
         world.block_begin = world.chip.now;
