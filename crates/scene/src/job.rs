@@ -1,9 +1,9 @@
 //! The job: where the machine starts, and the moves that follow.
 
 use crate::duration::{ticks_at_constant_acceleration, whole_ticks};
+use crate::io::SparePins;
 use crate::job_path::{JobPath, PlacedPath, read_path};
 use crate::levels::JobLevels;
-use crate::io::SparePins;
 use crate::outputs::{JobOutputs, OutputBits, read_outputs};
 use crate::read::{Bound, Document, Place, Section};
 use crate::spool::MoveSpool;

@@ -152,7 +152,10 @@ pub(crate) fn read_outputs(each: &Section, pins: Option<&SparePins>) -> OutputBi
 fn no_output(pins: &SparePins) -> String {
     match pins.output_names()[..] {
         [] => "the scene names no spare outputs: [[io.outputs]] would".into(),
-        ref names => format!("no spare output has this name; those of [[io.outputs]] are {}", names.join(", ")),
+        ref names => format!(
+            "no spare output has this name; those of [[io.outputs]] are {}",
+            names.join(", ")
+        ),
     }
 }
 

@@ -68,7 +68,10 @@ fn move_to(x_m: f64, more: &str) -> String {
     )
 }
 
-const ON: OutputBits = OutputBits { on: 0b10, off: 0b01 };
+const ON: OutputBits = OutputBits {
+    on: 0b10,
+    off: 0b01,
+};
 const OFF: OutputBits = OutputBits { on: 0, off: 0b10 };
 
 #[test]
@@ -137,8 +140,16 @@ fn outputs_of_a_job_are_refused_with_their_key() {
             "job.move[1].outputs.air",
             "expected true or false",
         ),
-        (move_to(0.25, "outputs = {}"), "job.move[1].outputs", "names no output"),
-        (move_to(0.25, "outputs = true"), "job.move[1].outputs", "a table"),
+        (
+            move_to(0.25, "outputs = {}"),
+            "job.move[1].outputs",
+            "names no output",
+        ),
+        (
+            move_to(0.25, "outputs = true"),
+            "job.move[1].outputs",
+            "a table",
+        ),
         (
             format!("{dwell}outputs = {{ vent = true }}"),
             "job.path[1].outputs.vent",
@@ -156,9 +167,8 @@ fn outputs_of_a_job_are_refused_with_their_key() {
         ),
     ] {
         let found = problems(&with_job(&job));
-        let fits = |problem: &trirrr_scene::Problem| {
-            problem.key == key && problem.reason.contains(reason)
-        };
+        let fits =
+            |problem: &trirrr_scene::Problem| problem.key == key && problem.reason.contains(reason);
         assert!(found.iter().any(fits), "{job}: {found:?}");
     }
     let found = problems(&with_job(&move_to(0.25, "outputs.air = true")).replace(VALVES, ""));

@@ -78,7 +78,10 @@ fn the_job_of_a_scene_switches_outputs() {
     }
     let shown = ask(&folder, &device.address, &["output", "scene.toml"]);
     let shown = text(&shown.stdout);
-    assert!(shown.contains("P0 air: off\noutput P1 vacuum: on"), "{shown}");
+    assert!(
+        shown.contains("P0 air: off\noutput P1 vacuum: on"),
+        "{shown}"
+    );
 }
 
 const JOB: &str = "G21 G90\nM64 P1\nG1 X5 F6000\nM62 P0\nX10\nM63 P0\nX15\nM62 P0\nX0\nM65 P1\n";
