@@ -246,7 +246,8 @@ fn stands(each: &Section) -> bool {
 fn read_stand(each: &Section, rate: Option<f64>) -> Option<u32> {
     let has_feed = each.has("feed_m_s");
     if has_feed {
-        each.refuse("feed_m_s", "the machine stands here: it has no speed");
+        let reason = "the machine stands during a dwell or a change of outputs: it has no speed";
+        each.refuse("feed_m_s", reason);
     }
     let ticks = match each.has("dwell_s") {
         true => whole_ticks(each.number("dwell_s", Bound::Positive)?, rate?)

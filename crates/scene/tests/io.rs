@@ -163,7 +163,7 @@ fn outputs_of_a_job_are_refused_with_their_key() {
         (
             format!("{dwell}outputs = {{ air = true }}\nfeed_m_s = 1.0"),
             "job.path[1].feed_m_s",
-            "stands here",
+            "a change of outputs",
         ),
     ] {
         let found = problems(&with_job(&job));
