@@ -6,6 +6,7 @@ mod failures;
 mod install;
 mod job;
 mod line;
+mod outputs;
 mod power_up;
 mod update;
 
@@ -17,6 +18,9 @@ use crate::wiring::{self, Output};
 use anyhow::{Result, ensure};
 use std::path::{Path, PathBuf};
 use trirrr_scene::{DriveKind, Scene};
+
+/// Outputs that are on in the middle of a job. Of the spare ones the second: scenes of the bench have it so.
+const ON_IN_MID_JOB: [&str; 4] = ["drives", "tool", "tool enable", wiring::SPARE[1]];
 
 /// Clock of the watchdog's oscillator, Hz: typical, and the ends of the data sheet.
 pub(crate) const OSCILLATOR_HZ: [u64; 3] = [32_000, 47_000, 17_000];
@@ -61,6 +65,8 @@ pub(crate) enum Needs {
     NoDrives,
     /// None: the image takes scenes over the line.
     SceneOverLine,
+    /// Spare outputs, on a machine of steppers.
+    SpareOutputs,
 }
 
 /// Case of the bench.
@@ -77,7 +83,7 @@ impl Case {
 }
 
 /// All cases.
-pub(crate) const CASES: [Case; 23] = [
+pub(crate) const CASES: [Case; 24] = [
     Case::of("power-up", Needs::Any, power_up::rest),
     Case::of("crystal", Needs::Any, power_up::crystal),
     Case::of("job", Needs::Steppers, job::run),
@@ -101,6 +107,7 @@ pub(crate) const CASES: [Case; 23] = [
     Case::of("line", Needs::NoDrives, line::damaged),
     Case::of("late", Needs::NoDrives, line::late),
     Case::of("install", Needs::SceneOverLine, install::run),
+    Case::of("outputs", Needs::SpareOutputs, outputs::run),
 ];
 
 impl Subject {
@@ -148,6 +155,9 @@ impl Subject {
         match needs {
             Needs::Any => true,
             Needs::Update => self.update.is_some(),
+            Needs::SpareOutputs => {
+                self.has(Needs::Steppers) && !self.scene.spare_pins.outputs.is_empty()
+            }
             Needs::SceneOverLine => self.update.is_some() && self.scene.service.scene_over_line,
             Needs::Steppers => matches!(kind, Some(DriveKind::Stepper(_))),
             Needs::Protection => self.has(Needs::Steppers) && self.kind == Kind::Stm32f405,
@@ -189,7 +199,7 @@ impl Subject {
             .iter()
             .filter(|output| !output.was_on(board.trace(), middle - 2 * MS))
             .map(|output| output.name)
-            .filter(|name| ["drives", "tool", "tool enable"].contains(name))
+            .filter(|name| ON_IN_MID_JOB.contains(name))
             .collect();
         ensure!(
             off.is_empty(),
