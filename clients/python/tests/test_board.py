@@ -180,7 +180,12 @@ class Boards(unittest.TestCase):
             board.output("air", True)
             while board.status().outputs_on != ("vacuum",) or board.status().inputs_active != ("sheet",):
                 time.sleep(0.01)
-            board.run(scene)
+            board.output("vacuum", False)
+            seen = set()
+            board.run(scene, progress=lambda *_: seen.add(board.status().outputs_on))
+            # The job switches both on, and the air off.
+            self.assertLessEqual(seen, {(), ("air", "vacuum"), ("vacuum",)})
+            self.assertIn(("air", "vacuum"), seen)
             self.assertEqual(board.status().outputs_on, ("vacuum",))
             with self.assertRaisesRegex(Refused, "names 2 spare outputs"):
                 board.output(2, False)

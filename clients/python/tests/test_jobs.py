@@ -5,6 +5,7 @@ import unittest
 from pathlib import Path
 
 from trirrr import jobs
+from trirrr.messages import Command, OutputSwitch
 
 SCENES = Path(__file__).resolve().parents[3] / "scenes"
 
@@ -42,6 +43,38 @@ class JobAlongAPath(unittest.TestCase):
         ]:
             with self.assertRaisesRegex(jobs.JobError, reason):
                 jobs.read(path, moves)
+
+
+class Outputs(unittest.TestCase):
+    """Spare outputs that change with the moves of a scene."""
+
+    def read(self, old: str, new: str) -> jobs.Job:
+        text = (SCENES / "inputs/valves.toml").read_text().replace("../thesis.toml", str(SCENES / "thesis.toml"))
+        self.assertIn(old, text)
+        with tempfile.TemporaryDirectory() as folder:
+            scene = Path(folder) / "scene.toml"
+            scene.write_text(text.replace(old, new))
+            return jobs.read(str(scene))
+
+    def test_they_are_bits_of_the_moves(self):
+        job = jobs.read(str(SCENES / "inputs/valves.toml"))
+        self.assertEqual([step.switched for step in job.steps], [(0b11, 0), (0, 0b01)])
+        self.assertEqual(jobs.switch(job.steps[1], 7), Command.OutputsAt(OutputSwitch(number=7, on=0, off=1)))
+        self.assertIsNone(jobs.switch(jobs.read(str(SCENES / "thesis.toml")).steps[0], 0))
+
+    def test_what_the_scene_does_not_name_is_refused(self):
+        for new, reason in [
+            ("{ vent = false }", r"^[^:]*: job.move\[2\].outputs.vent: .* its outputs are air, vacuum$"),
+            ("{ air = 0 }", "outputs.air = 0: expected true or false"),
+        ]:
+            with self.assertRaisesRegex(jobs.JobError, reason):
+                self.read("{ air = false }", new)
+        with tempfile.TemporaryDirectory() as folder:
+            table, scene = Path(folder) / "moves.csv", Path(folder) / "scene.toml"
+            table.write_text(TABLE)
+            scene.write_text((SCENES / "engraving.toml").read_text() + "\n[[job.path]]\noutputs = { air = true }\n")
+            with self.assertRaisesRegex(jobs.JobError, "outputs change along its path"):
+                jobs.read(str(scene), str(table))
 
 
 class OtherUnits(unittest.TestCase):

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from .errors import MotionError, PlanError, Problem, SceneError
     from .machine import Machine, check
     from .table import Table
+    from .update import ImageError, UpdateFailed
 
 #: Modules of the names of the package. They are imported when they are used: a client needs neither numpy nor the native core.
 _HOMES = {
@@ -37,12 +38,14 @@ _HOMES = {
     "BoardError": "board",
     "BoardStatus": "board",
     "Contact": "board",
+    "ImageError": "update",
     "Machine": "machine",
     "MotionError": "errors",
     "PlanError": "errors",
     "Problem": "errors",
     "SceneError": "errors",
     "Table": "table",
+    "UpdateFailed": "update",
     "check": "machine",
 }
 
@@ -64,11 +67,13 @@ __all__ = [
     "BoardError",
     "BoardStatus",
     "Contact",
+    "ImageError",
     "Machine",
     "MotionError",
     "PlanError",
     "Problem",
     "SceneError",
     "Table",
+    "UpdateFailed",
     "check",
 ]

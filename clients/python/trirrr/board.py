@@ -21,12 +21,13 @@ from typing import Any
 from . import jobs, record, words
 from .exchange import Exchange, Refused
 from .goals import LOOK_S, Mover, NoMotion, Triple
-from .messages import NUMBERS, Command, Move, Pose, Section, SectionName
+from .messages import NUMBERS, Command, Move, Pose, SceneHeader, Section, SectionName
 from .ports import Port, PortError, open_port
-from .postcard import Value
+from .postcard import Value, loads
 from .progress import Progress, hearing
 from .record import Recorder
 from .stream import ON_THE_WAY, Stream
+from .update import Program, SceneValues, bring
 
 #: A machine is at a pose if it is as near as this, m and rad: its number type may round.
 _NEAR = 1e-3
@@ -135,7 +136,7 @@ class Board:
     @property
     def name(self) -> str:
         """Name of the machine's scene."""
-        return bytes(self._exchange.identity.name).rstrip(b"\0").decode("ascii", "replace")
+        return words.text(self._exchange.identity.name)
 
     @property
     def firmware(self) -> str:
@@ -369,6 +370,57 @@ class Board:
                 finally:
                     self._job = None
 
+    def update(self, image: str | os.PathLike[str], *, progress: Progress | bool | None = None) -> str:
+        """Replaces the program of the board by ``image``, the ELF file that ``cargo fw`` builds, as ``trirrr update`` does.
+
+        The drives have to be off, and the scene of both programs has ``update = true`` in ``[service]``. The board tries the new program
+        once, keeps it if this host can talk to it, and goes back otherwise. ``progress`` hears the bytes that the board has, their number, and
+        ``Sending`` or ``Restarting``; ``True`` shows a bar of tqdm. Returns the build that runs. ``ImageError`` says what is wrong with the file,
+        ``UpdateFailed`` and ``Refused`` why the new program does not run; ``PortError`` and ``Silent`` that the board is out of reach:
+        it keeps its program, and the same call goes on where the line was lost.
+        """
+        self._bring(Program.read(os.fspath(image)), progress)
+        return self.firmware
+
+    def install(
+        self, scene: str | os.PathLike[str], settings: Iterable[str] = (), *, progress: Progress | bool | None = None
+    ) -> str:
+        """Brings the values of ``scene`` to a board whose image takes scenes over its line, as ``trirrr install`` does.
+
+        ``settings`` stand in place of values of the scene, such as ``"limits.rate_rad_s=3"``. The drives have to be off. Needs the native core
+        of the package. The board plays the scene from its restart on; returns its name. Names of outputs and inputs are those of
+        ``scene`` from then on. ``SceneError`` and ``BoardError`` say why the scene is none for this board; the others are as for ``update``.
+        """
+        # Here: a client of a board needs no native core.
+        from .machine import scene_values
+
+        file = os.fspath(scene)
+        board, key, header, data = scene_values(file, list(settings))
+        own = words.text(self._exchange.identity.firmware.board)
+        # The path of a board file says nothing of the name in the image.
+        if board is not None and not board.endswith(".toml") and board != own:
+            raise BoardError(
+                f"{file}: board = {board!r}, and the board is {own}: its pins are others; change `board` in the scene if its "
+                "wiring is the same"
+            )
+        values = SceneValues(key, loads(SceneHeader, header, self._own.numbers), data)
+        self._bring(values, progress)
+        self._pins = jobs.pins(file)
+        return self.name
+
+    def _bring(self, content: Program | SceneValues, progress: Progress | bool | None) -> None:
+        def reopen() -> Exchange:
+            self.close()
+            # A new program may compute with other numbers.
+            self._numbers = None
+            self._greet()
+            return self._own
+
+        if self._port is None:
+            self._greet()
+        with hearing(progress, "B") as hear:
+            bring(content, self._own, reopen, hear)
+
     def _greet(self) -> None:
         port = self._port = self._open()
         try:
@@ -466,6 +518,16 @@ class AsyncBoard:
     ) -> dict[str, list[float]]:
         """As ``Board.run``."""
         return await asyncio.to_thread(self.board.run, job, recover_s=recover_s, progress=progress)
+
+    async def update(self, image: str | os.PathLike[str], *, progress: Progress | bool | None = None) -> str:
+        """As ``Board.update``."""
+        return await asyncio.to_thread(self.board.update, image, progress=progress)
+
+    async def install(
+        self, scene: str | os.PathLike[str], settings: Iterable[str] = (), *, progress: Progress | bool | None = None
+    ) -> str:
+        """As ``Board.install``."""
+        return await asyncio.to_thread(self.board.install, scene, settings, progress=progress)
 
     async def hold(self) -> None:
         """As ``Board.hold``."""

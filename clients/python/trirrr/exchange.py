@@ -203,7 +203,7 @@ def _answers(request: Any, content: Any) -> bool:
     come again in another conversation."""
     if content.sequence != request.sequence:
         return False
-    kinds = {"Hello": "Hello", "Status": "Status", "Read": "Section"}
+    kinds = {"Hello": "Hello", "Status": "Status", "Read": "Section", "UpdateStatus": "Update"}
     expected = kinds.get(request.command.name, "Done")
     return content.reply.name in ("Refused", expected)
 

@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from .messages import Command, JobLabel, Move, Pose, QuinticMove
-from .postcard import Numbers, dumps
+from .messages import Command, JobLabel, Move, OutputSwitch, Pose, QuinticMove
+from .postcard import U32, Numbers, dumps
 
 #: A duration may be this far from a whole number of ticks, for it is written in decimals.
 _TOLERANCE_TICKS = 1e-6
@@ -61,6 +61,8 @@ class Step:
     place: str = ""
     #: At both ends of a quintic, (ax, ay, alphaddot); ``None`` for a cubic.
     accelerations: tuple[Vector, Vector] | None = None
+    #: Spare outputs that go on and off in the tick in which the move begins, a bit for each.
+    switched: tuple[int, int] = (0, 0)
 
     def ticks(self, rate_hz: float) -> int:
         """Duration in ticks. ``JobError`` where it is no whole number."""
@@ -109,6 +111,10 @@ class Job:
         for move in moves:
             kind = Move if isinstance(move, Move.record) else QuinticMove
             check = zlib.crc32(dumps(kind, move, numbers), check)
+        for index, (on, off) in enumerate(step.switched for step in self.steps):
+            if on or off:
+                data = dumps(U32, check, numbers) + dumps(U32, index, numbers) + bytes((on, off))
+                check = zlib.crc32(data)
         name = self.name.encode("ascii", "replace")[:32].ljust(32, b"\0")
         return JobLabel(name=tuple(name), items=len(moves), check=check)
 
@@ -156,6 +162,12 @@ def offer(move: Any, number: int) -> Any:
     if hasattr(move, "common"):
         return Command.Quintic(replace(move, common=replace(move.common, number=number)))
     return Command.Move(replace(move, number=number))
+
+
+def switch(step: Step, number: int) -> Any:
+    """The command that lets the spare outputs of ``step`` change as the move ``number`` begins; ``None`` where none do."""
+    on, off = step.switched
+    return Command.OutputsAt(OutputSwitch(number=number, on=on, off=off)) if on or off else None
 
 
 def read(path: str, moves: str | None = None) -> Job:
@@ -215,6 +227,9 @@ def _from_scene(path: str, data: bytes, moves: str | None) -> Job:
             raise JobError(f"{path}: a job along a path: give the moves.csv that `trirrr plan` writes with --moves")
         if moves is not None and not is_path:
             raise JobError(f"{path}: the job has moves of its own: --moves goes with a job along a path")
+        if is_path and any("outputs" in each for each in job.get("path", [])):
+            raise JobError(f"{path}: outputs change along its path, and a table of moves has none: `trirrr stream` plays it")
+        outputs = [str(each["name"]) for each in scene.get("io", {}).get("outputs", [])]
         steps = _from_table(moves, _bytes(moves)).steps if moves is not None else []
         velocity = acceleration = _REST
         for index, each in enumerate([] if is_path else job["move"], 1):
@@ -237,6 +252,7 @@ def _from_scene(path: str, data: bytes, moves: str | None) -> Job:
                     float(tool.get("speed_m_s", 0.0)) if tool else 0.0,
                     f"{path}: job.move[{index}]",
                     accelerations,
+                    _switched(f"{path}: job.move[{index}]", each.get("outputs", {}), outputs),
                 )
             )
             start, velocity = end, end_velocity
@@ -246,6 +262,8 @@ def _from_scene(path: str, data: bytes, moves: str | None) -> Job:
         raise JobError(f"{path}: {error}") from None
     except KeyError as error:
         raise JobError(f"{path}: {error.args[0]} is missing in the job") from None
+    except JobError:
+        raise
     except (TypeError, AttributeError, ValueError) as error:
         raise JobError(f"{path}: job: {error}") from None
     legs = scene.get("machine", {}).get("leg", [])
@@ -253,6 +271,18 @@ def _from_scene(path: str, data: bytes, moves: str | None) -> Job:
     return Job(
         steps, scene_key(data), scene.get("number", "f64"), torque, legs, scene.get("name", ""), tools, mounted
     )
+
+
+def _switched(place: str, given: dict[str, Any], outputs: list[str]) -> tuple[int, int]:
+    """Bits of the outputs that ``given`` switches on, and of those that it switches off."""
+    bits = [0, 0]
+    for name, on in given.items():
+        if name not in outputs:
+            raise JobError(f"{place}.outputs.{name}: the scene has no such spare output; its outputs are {', '.join(outputs) or 'none'}")
+        if not isinstance(on, bool):
+            raise JobError(f"{place}.outputs.{name} = {on!r}: expected true or false")
+        bits[0 if on else 1] |= 1 << outputs.index(name)
+    return bits[0], bits[1]
 
 
 def _tools(scene: dict[str, Any]) -> tuple[dict[str, Body], str | None]:

@@ -33,6 +33,14 @@ Invalid = Literal["raise", "nan"]
 _REST: Triple = (0.0, 0.0, 0.0)
 
 
+def scene_values(file: str, settings: list[str]) -> tuple[str | None, int, bytes, bytes]:
+    """The scene in ``file``, with ``settings`` in place of its values, as it goes over the line of a board.
+
+    The board that the scene names, its key, its ``SceneHeader`` as it is sent, and its values. ``SceneError`` says what is wrong with it.
+    """
+    return NativeMachine(file, None, settings).values()
+
+
 class Motors(NamedTuple):
     """Motion of the three motors, each of shape (..., 3)."""
 

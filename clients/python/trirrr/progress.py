@@ -8,15 +8,15 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-#: Hears the moves done, their number, and the name of the machine's state.
+#: Hears the moves done, their number, and the name of the machine's state. Of an update: bytes, their number, and the part of it.
 Progress = Callable[[int, int, str], None]
 
 
 @contextmanager
-def hearing(progress: Progress | bool | None) -> Iterator[Progress]:
+def hearing(progress: Progress | bool | None, unit: str = "move") -> Iterator[Progress]:
     """Gives ``progress`` itself if it is a function, a bar for ``True``, and a function that does nothing for ``False`` or ``None``.
 
-    The bar needs tqdm, the extra ``progress``. It is closed when the context ends, so that an error stands on a line of its own.
+    The bar counts ``unit``. It needs tqdm, the extra ``progress``. It is closed when the context ends, so that an error stands on a line of its own.
     """
     if not isinstance(progress, bool):
         yield progress or _ignore
@@ -26,7 +26,7 @@ def hearing(progress: Progress | bool | None) -> Iterator[Progress]:
         # Here: a client that draws no bar needs no tqdm.
         from tqdm.auto import tqdm
 
-        with tqdm(unit="move") as bar:
+        with tqdm(unit=unit) as bar:
 
             def show(done: int, count: int, state: str) -> None:
                 bar.total = count

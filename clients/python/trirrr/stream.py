@@ -9,7 +9,7 @@ from typing import Any
 
 from . import words
 from .exchange import Exchange, Refused, Silent
-from .jobs import Job, common, offer
+from .jobs import Job, common, offer, switch
 from .messages import ALL_FIELDS, NUMBERS, Command, Recovery, SectionName
 from .ports import Port, PortError
 from .postcard import Value
@@ -20,6 +20,7 @@ _MODULUS = 1 << 32
 _NOT_YET = {
     "Move": {"QueueFull", "Busy"},
     "Quintic": {"QueueFull", "Busy"},
+    "OutputsAt": {"OutputsFull", "Busy"},
     "Start": {"Undecided", "NothingQueued", "EndsMoving", "Busy"},
     "Telemetry": {"Busy"},
     "Resume": {"State", "Busy", "DoorOpen"},
@@ -86,6 +87,8 @@ class Stream:
         self._moves: list[Any] = []
         self._base: Any = None
         self._offered = 0
+        #: The move whose outputs the machine knows.
+        self._switched: int | None = None
         self._refused: Any = None
         #: The conversation under way.
         self.exchange: Any = None
@@ -117,6 +120,8 @@ class Stream:
         if self._job.number and numbers is None:
             raise JobFailed(f"machines with {self._job.number} numbers are not known here")
         exchange = self.exchange = Exchange(port, numbers, self._heard, self._answer_s)
+        # A change may not have come: of two for one move the last counts, and they are the same.
+        self._switched = None
         port.send(b"\0")  # ends whatever the line held
         try:
             identity = exchange.hello(self._scene)
@@ -247,6 +252,12 @@ class Stream:
             if not self.status.room:
                 return self._start()
             number = (self._base + self._offered) % _MODULUS
+            change = switch(self._job.steps[self._offered], number)
+            if change is not None and self._switched != self._offered:
+                if not self._command(change):
+                    # Changes wait for moves that do not begin before the job does.
+                    return self._start()
+                self._switched = self._offered
             if not self._command(offer(self._moves[self._offered], number)):
                 return False
             self._offered += 1

@@ -103,10 +103,52 @@ _REFUSED = {
     "NoOutput": "the machine's scene names {outputs} spare outputs: [[io.outputs]] names them, the first has number 0",
     "OutputsFull": "the machine has no room for more changes of outputs with moves yet",
     "LimitSwitch": "motor {number} stands on its limit switch: only a recovery or homing moves the machine off it",
-    "NoUpdate": "the machine's program cannot be replaced over the line",
+    "NoUpdate": "the machine's program cannot be replaced over the line: a simulator has no flash; a board needs update = true "
+    "in [service] of its scene, its boot loader, and to be flashed with a probe once",
     "Recovery": "the way there would break a limit",
 }
 
+
+_UPDATE = {
+    "Board": "the image is for another board: build it with the board that the machine tells, BOARD=NAME cargo fw",
+    "Chip": "the image is for another chip: build it with the board that the machine tells, BOARD=NAME cargo fw",
+    "Start": "the image does not begin at {expected:#010x}: build it from a scene with update = true in [service]",
+    "Length": "the image is longer than {longest} bytes, or empty",
+    "NotBegun": "no image was begun: send it again",
+    "Block": "the bytes are not those that follow ({expected} are there): has the board two clients?",
+    "Checksum": "the image in the flash has the checksum {found:#010x} and not its own: send it again",
+    "Flash": "the flash cannot be written at {place:#x} (status {status:#x}): send the image again; if that fails, too, the flash is "
+    "worn out",
+    "JournalFull": "the journal of updates has no room: restart the board, and send the image again",
+    "NoScene": "the board's image takes no scene over the line: build one with scene_over_line = true in [service], and send it by "
+    "Board.update",
+    "SceneLayout": "the board does not read the values of the scene: send them by the package of the version that it runs, or "
+    "update its program",
+    "SceneStart": "the machine of the scene cannot stand at the start of its job: change [job] start or the machine",
+}
+
+_NEEDS = {
+    "Torques": "torques (torque is not false)",
+    "PayloadOffset": "a centre of mass off the reference point (com_m in [platform])",
+    "Rotors": "rotor inertia (rotor_inertia_kgm2, or that of [[drive]])",
+    "LinkMasses": "masses of links (proximal and distal in [[machine.leg]])",
+    "Gravity": "gravity in the plane (gravity_m_s2, mounted)",
+    "Quintics": "quintic moves (accelerations in [[job.move]], a path, plans_paths)",
+    "Jerk": "a limit of jerk (jerk_rad_s3 in [limits])",
+    "Paths": "a planner of paths (plans_paths in [service])",
+    "Batches": "batches of moves (batches in [service], short or planned moves)",
+    "PowerLists": "room for so many levels of power (power_lists in [service])",
+    "Number": "its number type (number)",
+    "TickRate": "its tick rate (tick_rate_hz)",
+    "Drives": "its drives (kind and constants of [[drive]], but steps and gears of steppers)",
+    "Brake": "its brake (brake in [power], there or not)",
+    "ToolOutput": "its output to the tool ([tool])",
+    "Inputs": "its inputs, or spare inputs and outputs ([inputs], [io])",
+    "Lamp": "its status lamp (there or not)",
+    "Homing": "its kind of homing ([homing], there or not, kind and level of its switches)",
+    "Feedback": "feedback of the drives ([feedback], there or not)",
+    "Contact": "detection of contacts ([contact], there or not, with a retreat or without)",
+}
 
 _INPUTS = {
     "emergency_stop": {"Clear": "emergency stop released", "Active": "emergency stop pressed, or its wire broken"},
@@ -127,13 +169,25 @@ def inputs(found: Any) -> str | None:
     return "; ".join(parts) or None
 
 
+def update(name: str, fields: Any = None) -> str:
+    """Why a step of an update was not taken, and what to do."""
+    return _UPDATE[name].format(**(fields or {}))
+
+
+def scene_need(name: str) -> str:
+    """A part of a scene that an image may lack, and where the scene has it."""
+    return _NEEDS[name]
+
+
 def refusal(found: Any) -> str:
     """Why a command was refused."""
     content = found.content
+    if found.name == "Update":
+        return _update(content)
     if found.name == "State":
         return f"not while the machine is {content.name.lower()}"
     if found.name == "Parameter":
-        fields = content._asdict() if hasattr(content, "_asdict") else vars(content)
+        fields = _fields(content)
         leg = "" if fields["leg"] is None else f" of leg {fields['leg'] + 1}"
         return f"{fields['quantity'].name}{leg} cannot be built"
     text = _REFUSED.get(found.name)
@@ -144,6 +198,21 @@ def refusal(found: Any) -> str:
     if found.name == "LimitSwitch":
         fields["number"] = content.motor + 1
     return text.format(**fields)
+
+
+def _update(found: Any) -> str:
+    if found.name == "SceneNeeds":
+        return f"the board's image lacks what the scene needs: {scene_need(found.content.name)}"
+    fields = {} if found.content is None else dict(_fields(found.content))
+    if found.name == "SceneValue":
+        leg = "" if fields["leg"] is None else f" of leg {fields['leg'] + 1}"
+        return f"the board cannot build the scene: {fields['quantity'].name}{leg}"
+    return update(found.name, fields)
+
+
+def _fields(content: Any) -> Any:
+    """Names and values of what a refusal has with it."""
+    return content._asdict() if hasattr(content, "_asdict") else vars(content)
 
 
 def fault(found: Any, identity: Any) -> str:
@@ -160,11 +229,14 @@ def fault(found: Any, identity: Any) -> str:
     return f"{text} (tick {found.tick})"
 
 
+def text(padded: Any) -> str:
+    """A text that the machine pads with zeros."""
+    return bytes(padded).rstrip(b"\0").decode("ascii", "replace")
+
+
 def firmware(build: Any) -> str:
     """Build of a program: version, commit, board and chip."""
-    version, commit, board, chip = (
-        bytes(text).rstrip(b"\0").decode("ascii", "replace") for text in (build.version, build.commit, build.board, build.chip)
-    )
+    version, commit, board, chip = map(text, (build.version, build.commit, build.board, build.chip))
     # A simulator has no chip.
     if not chip:
         return f"{version}, {board}"

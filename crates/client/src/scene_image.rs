@@ -36,7 +36,8 @@ impl SceneImage {
         &self.header
     }
 
-    pub(crate) fn bytes(&self) -> &[u8] {
+    /// Values, as they are sent.
+    pub fn bytes(&self) -> &[u8] {
         &self.bytes
     }
 

@@ -13,7 +13,7 @@ use crate::view::{MachineAct, MachinePhase, MachineView, MotionCheck};
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_toolpath::gcode::{GcodeSetup, Interpreter};
-use trirrr_toolpath::{Element, ToolPlace};
+use trirrr_toolpath::{Element, OutputAct, ToolPlace};
 
 /// Reason for which no line is carried out now.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,6 +26,8 @@ enum Wait {
     Pause,
     /// The program waits for the user.
     Paused,
+    /// The machine plays what comes before a change of an output.
+    Output(OutputAct),
     /// The machine comes to rest: its place is then that of the path.
     Stand,
     /// Drives go on. True: until the reference is found, too.
@@ -49,6 +51,8 @@ pub struct Dialect {
     wait: Option<Wait>,
     /// The line under way is to be answered.
     owes_ok: bool,
+    /// The program ends with the line under way.
+    ends: bool,
     /// Number of the line.
     line: u32,
     /// The motions under way are a jog.
@@ -92,6 +96,7 @@ impl Dialect {
             waiting: VecDeque::new(),
             wait: Some(Wait::Stand),
             owes_ok: false,
+            ends: false,
             line: 0,
             is_jog: false,
             is_locked: false,
@@ -173,6 +178,9 @@ impl Dialect {
                 }
                 continue;
             }
+            if std::mem::take(&mut self.ends) {
+                self.acts.push(MachineAct::End);
+            }
             if std::mem::take(&mut self.owes_ok) {
                 self.say("ok");
             }
@@ -225,6 +233,10 @@ impl Dialect {
             }
             Wait::Until(time) if now >= time => None,
             Wait::Pause if is_empty => Some(Wait::Paused),
+            Wait::Output(act) if is_empty => {
+                self.acts.push(MachineAct::Output(act));
+                None
+            }
             Wait::Stand if is_empty => {
                 self.interpreter.set_place(view.place);
                 None
@@ -309,6 +321,7 @@ impl Dialect {
         self.is_jog = false;
         self.input.clear();
         self.owes_ok = false;
+        self.ends = false;
     }
 
     fn greet(&mut self) {
@@ -357,6 +370,7 @@ fn interpreter(settings: &Settings, start: ToolPlace) -> Interpreter {
         home: Some(start),
         full_power: settings.full_power,
         ignore_z: settings.facts().ignore_z,
+        outputs: settings.facts().outputs,
         ..GcodeSetup::default()
     })
 }

@@ -13,6 +13,8 @@ pub struct MachineFacts {
     pub has_homing: bool,
     /// Z words have no effect; otherwise they are refused.
     pub ignore_z: bool,
+    /// Outputs that M62 to M65 switch, at most 8. Their numbers begin at 0.
+    pub outputs: u8,
 }
 
 /// Speed that is reported for rapids, and to which their override refers, mm/min.

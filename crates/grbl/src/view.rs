@@ -1,6 +1,6 @@
 //! Machine, as a sender of G-code sees it.
 
-use trirrr_toolpath::{Element, ToolMotion, ToolPlace};
+use trirrr_toolpath::{Element, OutputAct, ToolMotion, ToolPlace};
 
 /// Phase of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,6 +69,10 @@ pub enum MachineAct {
         /// Until the probe lets go.
         away: bool,
     },
+    /// Switch this output: now, for the machine stands, or as the next motion begins.
+    Output(OutputAct),
+    /// The program ends behind what the machine has.
+    End,
     /// No other motion follows soon: the machine comes to rest at the end of what it has.
     Flush,
     /// Switch the drives on, and clear a fault.

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 use trirrr_grbl::{Dialect, MachineAct, MachineFacts, MachinePhase, MachineView, MotionCheck};
-use trirrr_toolpath::{Act, ToolMotion, ToolPlace};
+use trirrr_toolpath::{Act, OutputAct, ToolMotion, ToolPlace};
 
 /// A square around the origin, m.
 const SIDE_M: f64 = 0.5;
@@ -21,6 +21,10 @@ struct Machine {
     view: MachineView,
     now: Duration,
     motions: u64,
+    /// Changes of outputs, each with the motions before it.
+    outputs: Vec<(u64, OutputAct)>,
+    /// Ends of programs.
+    ends: u32,
 }
 
 impl Machine {
@@ -30,6 +34,7 @@ impl Machine {
             travel_m: [1.0, 1.0],
             has_homing: false,
             ignore_z: false,
+            outputs: 2,
         };
         let view = MachineView {
             phase: MachinePhase::Off,
@@ -47,6 +52,8 @@ impl Machine {
             view,
             now: Duration::ZERO,
             motions: 0,
+            outputs: Vec::new(),
+            ends: 0,
         }
     }
 
@@ -66,6 +73,8 @@ impl Machine {
                             self.view.place = motion.to;
                         }
                     }
+                    MachineAct::Output(act) => self.outputs.push((self.motions, act)),
+                    MachineAct::End => self.ends += 1,
                     MachineAct::Unlock | MachineAct::Home => self.view.phase = MachinePhase::Idle,
                     MachineAct::Sleep => self.view.phase = MachinePhase::Off,
                     _ => {}
@@ -94,7 +103,7 @@ impl Random {
     }
 }
 
-const GOOD: [&str; 14] = [
+const GOOD: [&str; 16] = [
     "G1 X10 Y20 F600",
     "G0 X-30.5",
     "G2 X10 Y10 I5 J0 F100",
@@ -109,6 +118,8 @@ const GOOD: [&str; 14] = [
     "(comment) G91",
     "G90 G21",
     "G20",
+    "M64 P1",
+    "G1 X1 F100 M63 P0",
 ];
 
 /// Each line is answered once, and nothing moves beyond the reach.
@@ -159,6 +170,37 @@ fn a_pause_waits_for_the_user_and_a_stand_for_its_time() {
     assert_eq!(machine.view.place.position_m[0], 1e-3);
     assert_eq!(answers(&machine.send(b"~")), 2);
     assert_eq!(machine.view.place.position_m[0], 2e-3);
+}
+
+/// Each comes once the machine stands behind what is before it.
+#[test]
+fn outputs_change_where_the_program_has_them() {
+    let mut machine = Machine::new();
+    machine.send(b"$X\n");
+    machine.view.is_empty = false;
+    let said = machine.send(b"G1 X1 F100\nM64 P1\nX2\nM63 P0\nX3\nM2\n");
+    assert_eq!((answers(&said), machine.motions), (1, 1));
+    assert_eq!(machine.outputs, []);
+    machine.view.is_empty = true;
+    assert_eq!(answers(&machine.send(b"")), 5);
+    let act = |index, on, with_motion| OutputAct {
+        index,
+        on,
+        with_motion,
+    };
+    let expected = [(1, act(1, true, false)), (2, act(0, false, true))];
+    assert_eq!(machine.outputs, expected);
+    assert_eq!((machine.motions, machine.ends), (3, 1));
+    // A program that ends with one that waits for a motion, an output that there is not, and one that is only looked at.
+    assert!(machine.send(b"M62 P0\nM2\n").contains("no motion follows"));
+    assert!(
+        machine
+            .send(b"M64 P2\n")
+            .contains("they have the numbers 0 to 1")
+    );
+    machine.outputs.clear();
+    machine.send(b"$C\nM64 P1\nM2\n$C\n");
+    assert_eq!((machine.outputs.len(), machine.ends), (0, 1));
 }
 
 #[test]

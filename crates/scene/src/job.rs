@@ -1,9 +1,10 @@
 //! The job: where the machine starts, and the moves that follow.
 
 use crate::duration::{ticks_at_constant_acceleration, whole_ticks};
+use crate::io::SparePins;
 use crate::job_path::{JobPath, PlacedPath, read_path};
 use crate::levels::JobLevels;
-use crate::outputs::JobOutputs;
+use crate::outputs::{JobOutputs, OutputBits, read_outputs};
 use crate::read::{Bound, Document, Place, Section};
 use crate::spool::MoveSpool;
 use nalgebra::Vector3;
@@ -26,7 +27,7 @@ pub struct Job {
     pub spool: Option<Arc<MoveSpool>>,
     /// Levels of the tool along moves of the path.
     pub levels: JobLevels,
-    /// Outputs that change with moves of the path.
+    /// Outputs that change with its moves.
     pub outputs: JobOutputs,
 }
 
@@ -166,22 +167,24 @@ pub struct PlacedMove {
     pub to: Place,
 }
 
-/// Reads `[job]`. Without a tick rate, durations are not checked.
+/// Reads `[job]` of a machine with these spare `pins`. Without a tick rate, durations are not checked; without pins, those that are
+/// named are not looked for.
 pub(crate) fn read_job(
     document: &Document,
     root: &Section,
     rate: Option<f64>,
+    pins: Option<&SparePins>,
 ) -> Option<PlacedJob> {
-    read_job_with(document, root, rate, |_| ())
+    read_job_with(document, root, rate, |each| read_outputs(each, pins))
 }
 
-/// Reads `[job]`; `of_move` reads what a move has besides, of each `[[job.move]]` in turn. Without a tick rate, durations are
-/// not checked.
+/// Reads `[job]`; `of_move` reads what a table has besides, of each `[[job.move]]` or `[[job.path]]` in turn, and returns the spare
+/// outputs that change there. Without a tick rate, durations are not checked.
 pub fn read_job_with(
     document: &Document,
     root: &Section,
     rate: Option<f64>,
-    mut of_move: impl FnMut(&Section),
+    mut of_move: impl FnMut(&Section) -> OutputBits,
 ) -> Option<PlacedJob> {
     let section = root.section("job")?;
     let start = read_pose(&section, "start");
@@ -197,7 +200,7 @@ pub fn read_job_with(
         return None;
     }
     if shortest {
-        let placed = read_path(&section, &pieces, start, rate)?;
+        let placed = read_path(&section, &pieces, start, rate, of_move)?;
         return Some(PlacedJob {
             start: section.place_of("start"),
             moves: Vec::new(),
@@ -216,8 +219,9 @@ pub fn read_job_with(
     let mut start_velocity = Some(Vector3::zeros());
     let mut start_acceleration = Vector3::zeros();
     let mut moves = Vec::with_capacity(sections.len());
+    let mut outputs = JobOutputs::default();
     let mut complete = true;
-    for each in &sections {
+    for (index, each) in (0..).zip(&sections) {
         let to = read_pose(each, "to");
         let end_velocity = read_velocity(each);
         let end_acceleration = read_end_acceleration(each);
@@ -230,7 +234,10 @@ pub fn read_job_with(
             false => read_ticks(each, rate, [from, to], [start_velocity, end_velocity]),
         };
         let tool = read_tool(each);
-        of_move(each);
+        let switched = of_move(each);
+        if switched != OutputBits::default() {
+            outputs.add(index, switched);
+        }
         let whole = || {
             Some(JobMove {
                 from: from?,
@@ -284,7 +291,7 @@ pub fn read_job_with(
             path: None,
             spool: None,
             levels: JobLevels::default(),
-            outputs: JobOutputs::default(),
+            outputs,
         },
         path: None,
     })

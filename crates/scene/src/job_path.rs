@@ -3,7 +3,7 @@
 use crate::duration::whole_ticks;
 use crate::job::{Tool, read_tool};
 use crate::levels::LevelRow;
-use crate::outputs::PathOutputs;
+use crate::outputs::{OutputBits, PathOutputs};
 use crate::read::{Bound, Place, Section};
 use nalgebra::{Vector2, Vector3};
 use trirrr_core::setpoint::Pose;
@@ -94,12 +94,14 @@ pub(crate) struct PlacedPath {
     pub(crate) places: Vec<Place>,
 }
 
-/// Reads the pieces of `job` from `start`; `sections` are its `[[job.path]]`. Without a tick `rate`, dwells are not checked.
+/// Reads the pieces of `job` from `start`; `sections` are its `[[job.path]]`, and `of_table` reads the outputs that change there. Without
+/// a tick `rate`, dwells are not checked.
 pub(crate) fn read_path(
     job: &Section,
     sections: &[Section],
     start: Option<Pose<f64>>,
     rate: Option<f64>,
+    mut of_table: impl FnMut(&Section) -> OutputBits,
 ) -> Option<PlacedPath> {
     let tolerance_m = job.number_or("tolerance_m", Bound::Positive, TOLERANCE_M);
     let feed_m_s = read_feed(job);
@@ -118,11 +120,23 @@ pub(crate) fn read_path(
     let tolerance_rad = job.number_or("tolerance_rad", Bound::Positive, default_rad);
     let mut from = start;
     let (mut pieces, mut ends, mut tools) = (Vec::new(), Vec::new(), Vec::new());
-    let mut dwells: Vec<Dwell> = Vec::new();
+    let (mut dwells, mut outputs): (Vec<Dwell>, Vec<PathOutputs>) = (Vec::new(), Vec::new());
     let mut complete = true;
+    // Work of the tool on the last piece, and changes of the setting so far.
+    let (mut last_tool, mut setting) = (None, 0);
     for (source, each) in sections.iter().enumerate() {
-        if is_dwell(each) {
-            match (read_dwell(each, rate), read_tool(each)) {
+        let stands = stands(each);
+        let bits = of_table(each);
+        let switches = bits != OutputBits::default();
+        if switches {
+            outputs.push(PathOutputs {
+                source,
+                with_motion: !stands,
+                bits,
+            });
+        }
+        if stands {
+            match (read_stand(each, rate), read_tool(each)) {
                 (Some(ticks), Some(tool)) => {
                     dwells.push(Dwell { source, ticks });
                     tools.push(tool);
@@ -149,8 +163,11 @@ pub(crate) fn read_path(
             Some((piece, feed_m_s, tool)) => {
                 // A spline has several; the machine stands before the first of them.
                 let mut stops = dwells.last().is_some_and(|last| last.source + 1 == source);
-                let same = tools.iter().position(|other| *other == tool);
-                let setting = same.unwrap_or(tools.len());
+                let is_other = last_tool.replace(tool) != Some(tool);
+                // Moves end where another setting begins.
+                if is_other || switches {
+                    setting += 1;
+                }
                 for (piece, end) in piece {
                     ends.push(end);
                     pieces.push(PathPiece {
@@ -192,7 +209,7 @@ pub(crate) fn read_path(
             dwells,
             tools,
             rows: Vec::new(),
-            outputs: Vec::new(),
+            outputs,
             tolerance_m,
             tolerance_rad,
         },
@@ -216,23 +233,28 @@ fn has_length(piece: &Piece<f64>) -> bool {
 /// Keys of which a table has one.
 const KINDS: [&str; 5] = ["line", "arc", "bezier", "spline", "dwell_s"];
 
-/// Returns true if the machine stands in this table, and nothing else.
-fn is_dwell(each: &Section) -> bool {
-    each.has("dwell_s") && KINDS.iter().filter(|kind| each.has(kind)).count() == 1
+/// Returns true if the machine stands in this table, and nothing else: for a time, or for a change of outputs.
+fn stands(each: &Section) -> bool {
+    match KINDS.iter().filter(|kind| each.has(kind)).count() {
+        0 => each.has("outputs"),
+        1 => each.has("dwell_s"),
+        _ => false,
+    }
 }
 
-/// The ticks of a dwell.
-fn read_dwell(each: &Section, rate: Option<f64>) -> Option<u32> {
+/// The ticks of a stand. Outputs that change by themselves take one.
+fn read_stand(each: &Section, rate: Option<f64>) -> Option<u32> {
     let has_feed = each.has("feed_m_s");
     if has_feed {
-        each.refuse(
-            "feed_m_s",
-            "the machine stands during a dwell: it has no speed",
-        );
+        let reason = "the machine stands during a dwell or a change of outputs: it has no speed";
+        each.refuse("feed_m_s", reason);
     }
-    let ticks = whole_ticks(each.number("dwell_s", Bound::Positive)?, rate?)
-        .map_err(|reason| each.refuse("dwell_s", reason))
-        .ok()?;
+    let ticks = match each.has("dwell_s") {
+        true => whole_ticks(each.number("dwell_s", Bound::Positive)?, rate?)
+            .map_err(|reason| each.refuse("dwell_s", reason))
+            .ok()?,
+        false => 1,
+    };
     (!has_feed).then_some(ticks)
 }
 
@@ -241,7 +263,7 @@ fn read_piece(each: &Section, from: Option<Pose<f64>>, is_free: bool) -> Option<
     let mut given = KINDS.iter().filter(|kind| each.has(kind));
     let (kind, second) = (given.next(), given.next());
     let Some(kind) = kind.filter(|_| second.is_none()) else {
-        let reason = "expected one of line, arc, bezier, spline and dwell_s";
+        let reason = "expected one of line, arc, bezier, spline and dwell_s, or outputs alone";
         each.refuse_at(&each.place(), reason);
         each.ignore_rest();
         return None;

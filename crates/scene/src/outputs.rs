@@ -1,6 +1,8 @@
 //! Changes of spare outputs along a job: at elements of its path, and with its moves.
 
+use crate::io::SparePins;
 use crate::job::JobMove;
+use crate::read::Section;
 
 /// Outputs that go on, and outputs that go off, a bit for each. None does both.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -120,6 +122,40 @@ impl JobOutputs {
             rest.add(of.saturating_sub(index) + lead, *bits);
         }
         rest
+    }
+}
+
+/// Reads `outputs` of a table of a job: names of spare outputs, and their levels. No bit of what is refused, and none without `pins`.
+pub(crate) fn read_outputs(each: &Section, pins: Option<&SparePins>) -> OutputBits {
+    let Some(section) = each.optional_section("outputs") else {
+        return OutputBits::default();
+    };
+    let Some(pins) = pins else {
+        section.ignore_rest();
+        return OutputBits::default();
+    };
+    let names = section.names();
+    if names.is_empty() {
+        let reason = "names no output; leave it out, or give some, as { NAME = true }";
+        each.refuse("outputs", reason);
+    }
+    names.into_iter().fold(OutputBits::default(), |bits, name| {
+        let on = section.boolean(name);
+        let Some(index) = pins.output(name) else {
+            section.refuse(name, no_output(pins));
+            return bits;
+        };
+        on.map_or(bits, |on| bits.then(OutputBits::one(index, on)))
+    })
+}
+
+fn no_output(pins: &SparePins) -> String {
+    match pins.output_names()[..] {
+        [] => "the scene names no spare outputs: [[io.outputs]] would".into(),
+        ref names => format!(
+            "no spare output has this name; those of [[io.outputs]] are {}",
+            names.join(", ")
+        ),
     }
 }
 

@@ -439,7 +439,7 @@ fn read_scene(
     let homing = read_homing(root, rate, limits.as_ref(), drives.flatten().as_ref());
     let inputs = read_inputs(root, rate, homing.as_ref());
     let io = read_io(root, rate);
-    let placed = read_job(document, root, rate)?;
+    let placed = read_job(document, root, rate, io.as_ref().map(|(_, pins)| pins))?;
     let homing = homing?;
     let (has_lamp, spare_pins) = io?;
     let plant = plant?;

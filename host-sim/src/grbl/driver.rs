@@ -1,5 +1,6 @@
 //! Machine behind a sender: pieces of its path, orders, and what the machine tells.
 
+use super::outputs::ProgramOutputs;
 use super::path::{PathFeed, QueuedPiece};
 use std::collections::VecDeque;
 use std::time::Duration;
@@ -75,6 +76,7 @@ pub(super) struct MachineDriver<N: Transmit> {
     is_settled: bool,
     orders: VecDeque<Command<N>>,
     feed: PathFeed,
+    outputs: ProgramOutputs,
     /// Number of the next piece.
     piece: Option<u32>,
     /// Requests that change the machine, and how many of them the status knows.
@@ -119,6 +121,7 @@ impl<N: Transmit> MachineDriver<N> {
             is_settled: true,
             orders: VecDeque::new(),
             feed: PathFeed::new(start, corner_m),
+            outputs: ProgramOutputs::new(&scene.spare_pins),
             piece: None,
             changes: 0,
             asked_at: 0,
@@ -232,8 +235,15 @@ impl<N: Transmit> MachineDriver<N> {
                 self.probing = Some(Probing::Waits { away });
             }
             MachineAct::Flush => self.feed.flush(),
+            MachineAct::Output(act) => {
+                if let Some(command) = self.outputs.switch(act) {
+                    self.order(command);
+                }
+            }
+            MachineAct::End => self.outputs.end(),
             MachineAct::Unlock | MachineAct::Home => {
                 self.reason = None;
+                self.outputs.clear();
                 self.waking = Some(Waking {
                     homes: act == MachineAct::Home,
                     cleared: false,
@@ -249,6 +259,7 @@ impl<N: Transmit> MachineDriver<N> {
                 self.feed.clear();
                 self.waking = None;
                 self.probing = None;
+                self.outputs.clear();
                 self.order(Command::Stop);
             }
             MachineAct::Feed(percent) => self.order(Command::FeedOverride { percent }),
@@ -328,6 +339,14 @@ impl<N: Transmit> MachineDriver<N> {
             tool,
             last,
         } = self.feed.front().filter(|_| is_on)?;
+        // The first move of a path that begins at rest is the one move whose number is known.
+        let rests = status.state == State::Idle && status.next == status.done && !status.planning;
+        if rests
+            && self.is_fresh()
+            && let Some(switch) = self.outputs.with_path(status.next)
+        {
+            return Some(Command::OutputsAt(switch));
+        }
         let number = *self.piece.get_or_insert(status.piece);
         let Some(piece) = offer::piece(&piece, feed_m_s, tool, &self.units) else {
             self.feed.clear();
@@ -386,6 +405,9 @@ impl<N: Transmit> MachineDriver<N> {
                 if matches!(command, Command::Probe { .. }) {
                     self.probing = Some(Probing::Runs);
                 }
+                if let Command::OutputsAt(switch) = command {
+                    self.outputs.are_told(switch.number);
+                }
             }
             Reply::Refused(refusal) => self.on_refusal(&command, refusal, now),
             Reply::Section(_) | Reply::Kept { .. } | Reply::Update(_) => {}
@@ -425,6 +447,7 @@ impl<N: Transmit> MachineDriver<N> {
                 .map(|violation| describe::violation(&violation, 0, &self.words));
             self.refused = Some(why.unwrap_or_else(|| "the machine has refused the motion".into()));
             self.feed.clear();
+            self.outputs.clear();
             self.piece = None;
         }
         self.was_refused = is_refused;
@@ -433,7 +456,11 @@ impl<N: Transmit> MachineDriver<N> {
         {
             self.reason = Some(describe::fault(&fault, &self.words));
             self.feed.clear();
+            self.outputs.clear();
             self.piece = None;
+        }
+        if self.is_empty() {
+            self.outputs.rest();
         }
         self.end_probing(&status);
         if self.waking.is_some() && self.is_fresh() {
@@ -572,6 +599,17 @@ impl<N: Transmit> MachineDriver<N> {
             (Command::Path(_), refusal) => {
                 self.refused = Some(describe::refusal(&refusal, 0, &self.words));
                 self.feed.clear();
+                self.piece = None;
+            }
+            (Command::Output { .. }, Refusal::Busy) => {
+                self.orders.push_front(*command);
+                self.pause = now + PAUSE;
+            }
+            (Command::Output { .. }, refusal)
+            | (Command::OutputsAt(_), refusal @ Refusal::NoOutput { .. }) => {
+                self.refused = Some(describe::refusal(&refusal, 0, &self.words));
+                self.feed.clear();
+                self.outputs.clear();
                 self.piece = None;
             }
             // What waits is dropped: closing the door must start nothing.

@@ -5,6 +5,7 @@
 
 mod args;
 mod driver;
+mod outputs;
 mod path;
 mod reach;
 mod sender;
@@ -118,6 +119,7 @@ fn serve<N: ServiceNumber>(
         travel_m: map.size().map(|nodes| nodes as f64 * map.step_m()),
         has_homing: scene.homing.is_some(),
         ignore_z: args.ignore_z,
+        outputs: scene.spare_pins.outputs.len() as u8,
     };
     let driver = MachineDriver::<N>::new(
         scene,

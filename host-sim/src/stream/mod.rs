@@ -138,7 +138,7 @@ fn stream<N: ServiceNumber>(
     if args.path {
         if !scene.job.outputs.is_empty() {
             return Err(CliError::Refused(
-                "--path: the machine plans the moves, and outputs change with moves: leave --path out, or M62 to M65".into(),
+                "--path: the machine plans the moves, and outputs change with moves: leave --path out, or the outputs of the job (M62 to M65 in G-code)".into(),
             ));
         }
         let start = offer::pose::<N>(&units.pose(&scene.job.start));

@@ -4,6 +4,7 @@ use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::TcpStream;
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
+use std::sync::mpsc::{Receiver, channel};
 use std::time::{Duration, Instant};
 
 /// Longest wait for what has to come. It is long for busy machines; nothing is measured by it.
@@ -12,6 +13,8 @@ const PATIENCE: Duration = Duration::from_secs(60);
 struct Server {
     process: Child,
     address: String,
+    /// What else it says.
+    lines: Receiver<String>,
 }
 
 impl Server {
@@ -30,11 +33,30 @@ impl Server {
         let mut lines = BufReader::new(process.stdout.take().unwrap()).lines();
         let first = lines.next().unwrap().unwrap();
         // What else it says must not fill the pipe.
-        std::thread::spawn(move || lines.for_each(drop));
+        let (say, said) = channel();
+        std::thread::spawn(move || {
+            // A test that does not listen has dropped the other end.
+            lines
+                .map_while(Result::ok)
+                .for_each(|line| drop(say.send(line)));
+        });
         let (address, _) = first.strip_prefix("tcp:").unwrap().split_once(' ').unwrap();
         Self {
             process,
             address: address.to_owned(),
+            lines: said,
+        }
+    }
+
+    /// Waits for a line with `what`.
+    fn wait_for(&self, what: &str) {
+        let mut others = Vec::new();
+        loop {
+            match self.lines.recv_timeout(PATIENCE) {
+                Ok(line) if line.contains(what) => return,
+                Ok(line) => others.push(line),
+                Err(error) => panic!("no {what:?}: {error}: {others:?}"),
+            }
         }
     }
 }
@@ -475,4 +497,51 @@ fn a_wall_is_probed_and_left() {
     sender.answer("ok");
     sender.send("$#\n");
     assert!(contact(&sender.answer("ok")).ends_with(":0]"));
+}
+
+/// The scene with two spare outputs on a device that plans paths.
+#[test]
+fn a_sender_switches_outputs() {
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
+    let text = std::fs::read_to_string(scenes.join("inputs/valves.toml")).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("scene.toml");
+    let machine = format!("{:?}", scenes.join("thesis.toml"));
+    let text = text.replace("\"../thesis.toml\"", &machine);
+    std::fs::write(
+        &file,
+        text.replace("[service]", "[service]\nplans_paths = true"),
+    )
+    .unwrap();
+    let scene = file.to_str().unwrap();
+    let listen = ["--listen", "tcp:127.0.0.1:0"];
+    let device = Server::of(&[&["device", scene], &listen[..]].concat());
+    let port = format!("tcp:{}", device.address);
+    let server = Server::of(&[&["grbl", scene, "--port", &port], &listen[..]].concat());
+    let mut sender = Sender::unlocked(&server);
+    sender.send("M64 P2\n");
+    let said = sender.answer("error:20").concat();
+    assert!(said.contains("they have the numbers 0 to 1"), "{said}");
+    // Air is an output of jobs: it falls at each stand, and comes back until the program ends.
+    sender.stream(
+        "G91 G21\nM62 P0\nG1 X10 F3000\nM64 P1\nG1 X10\nM65 P1\nM63 P0\nX-10\nM62 P0\nX-10\nM2\n",
+    );
+    for on in [
+        "air",
+        "none",
+        "vacuum",
+        "air, vacuum",
+        "vacuum",
+        "none",
+        "air",
+        "none",
+    ] {
+        device.wait_for(&format!("outputs on: {on}; inputs"));
+    }
+    sender.idle();
+    // That of the program before is not on.
+    sender.stream("G91\nM64 P1\nG1 X5 F3000\nM62 P1\nX-5\nM65 P1\n");
+    for on in ["vacuum", "none"] {
+        device.wait_for(&format!("outputs on: {on}; inputs"));
+    }
 }

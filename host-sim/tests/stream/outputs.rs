@@ -66,6 +66,24 @@ fn outputs_and_inputs_are_switched_and_shown_by_name() {
         .wait_for("outputs on: none; inputs active: sheet");
 }
 
+/// The job of the scene itself switches them, with its moves.
+#[test]
+fn the_job_of_a_scene_switches_outputs() {
+    let folder = valves();
+    let mut device = Device::start(&folder, &["--speed", "5"]);
+    let played = ask(&folder, &device.address, &["stream", "scene.toml"]);
+    assert!(played.status.success(), "{}", text(&played.stderr));
+    for on in ["air, vacuum", "vacuum"] {
+        device.lines.wait_for(&format!("outputs on: {on}; inputs"));
+    }
+    let shown = ask(&folder, &device.address, &["output", "scene.toml"]);
+    let shown = text(&shown.stdout);
+    assert!(
+        shown.contains("P0 air: off\noutput P1 vacuum: on"),
+        "{shown}"
+    );
+}
+
 const JOB: &str = "G21 G90\nM64 P1\nG1 X5 F6000\nM62 P0\nX10\nM63 P0\nX15\nM62 P0\nX0\nM65 P1\n";
 
 /// The outputs change in the order of the program, and the last stand of it is played, too.

@@ -93,6 +93,7 @@ impl Host {
         let hello = trirrr_client::local::hello::<f32>(scene);
         let moves = trirrr_scene::offer::moves::<f32>(scene, &units);
         let client = JobClient::new(moves, hello, 1, Patience::default(), 7);
+        let client = client.with_outputs(&scene.job.outputs);
         Ok(Self {
             client: client.with_fields(FIELDS),
             line: HostLine::default(),

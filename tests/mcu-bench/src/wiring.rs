@@ -27,6 +27,17 @@ pub(crate) const STOP: Pin = Pin('A', 6);
 /// Contact of the door, to ground while it is closed.
 pub(crate) const DOOR: Pin = Pin('A', 7);
 
+/// Names of the spare outputs.
+pub(crate) const SPARE: [&str; 4] = ["output 0", "output 1", "output 2", "output 3"];
+
+/// Pins of the spare outputs.
+pub(crate) const fn spare_outputs(kind: Kind) -> [Pin; 4] {
+    match kind {
+        Kind::Stm32f405 => [Pin('A', 10), Pin('A', 11), Pin('A', 12), Pin('D', 2)],
+        Kind::Stm32g474 => [Pin('C', 6), Pin('C', 7), Pin('C', 8), Pin('A', 8)],
+    }
+}
+
 /// Signals of a dump, with their pins.
 pub(crate) const SIGNALS: [(&str, Pin); 13] = [
     ("step 1", STEPS[0]),
@@ -101,7 +112,8 @@ fn is_high(level: EnableLevel) -> bool {
     level == EnableLevel::High
 }
 
-/// Returns the outputs of a scene that have to be off where the machine is: the enable lines, the tool, and the step lines.
+/// Returns the outputs of a scene that have to be off where the machine is: the enable lines, the tool, the step lines, and the spare
+/// outputs.
 pub(crate) fn outputs(scene: &Scene, kind: Kind) -> Vec<Output> {
     let mut outputs = Vec::new();
     let mut add = |name, pin, on| outputs.push(Output { name, pin, on });
@@ -124,6 +136,10 @@ pub(crate) fn outputs(scene: &Scene, kind: Kind) -> Vec<Output> {
         {
             add("tool enable", TOOL_ENABLE, is_high(level));
         }
+    }
+    let spare = SPARE.into_iter().zip(spare_outputs(kind));
+    for (name, pin) in spare.take(scene.spare_pins.outputs.len()) {
+        add(name, pin, true);
     }
     outputs
 }

@@ -7,14 +7,17 @@ use nalgebra::Vector3;
 use numpy::PyArrayDyn;
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 use rayon::prelude::*;
 use std::path::PathBuf;
 use trirrr_batch::{BatchMachine, BatchReactions, FailedRow, MotorRows, StateRows};
+use trirrr_client::SceneImage;
 use trirrr_core::forward::Completeness;
 use trirrr_core::machine::Elbow;
 use trirrr_core::setpoint::Pose;
 use trirrr_design::assembly::{AssemblyModes, elbows_of, working_modes};
+use trirrr_image::generate::BoardScene;
+use trirrr_protocol::wire::to_bytes;
 use trirrr_scene::read::Setting;
 use trirrr_scene::{JobMove, JobPlayer, Scene, judge_move};
 
@@ -23,6 +26,17 @@ const MODES: usize = 6;
 
 /// Array of numbers.
 type Numbers<'py> = Bound<'py, PyArrayDyn<f64>>;
+
+/// Most bytes of the header of a scene.
+const HEADER: usize = 256;
+
+/// Board, key, header and values of a scene.
+type OverLine<'py> = (
+    Option<String>,
+    u32,
+    Bound<'py, PyBytes>,
+    Bound<'py, PyBytes>,
+);
 
 /// Rows without a result, and the reason.
 type Failures = Vec<(usize, String)>;
@@ -66,6 +80,25 @@ impl NativeMachine {
             reactions: BatchReactions::build(parameters).map_err(refused)?,
             scene,
         })
+    }
+
+    /// The board that the scene names, its key, its header as it is sent, and its values as they go over the line of a board.
+    fn values<'py>(&self, py: Python<'py>) -> PyResult<OverLine<'py>> {
+        let Self { scene, .. } = self;
+        let for_board = BoardScene::of(scene).map_err(|error| {
+            let reason = format!("scene {}: {error}", scene.name);
+            exception(py, "SceneError", (reason,))
+        })?;
+        let image = SceneImage::new(for_board.types, &for_board.values);
+        let mut room = [0; HEADER];
+        let header = to_bytes(image.header(), &mut room)
+            .map_err(|_| PyValueError::new_err("the header of the scene is too long"))?;
+        Ok((
+            scene.board.clone(),
+            scene.key,
+            PyBytes::new(py, header),
+            PyBytes::new(py, image.bytes()),
+        ))
     }
 
     /// Values of the scene by name.

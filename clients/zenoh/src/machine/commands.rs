@@ -272,6 +272,7 @@ impl<N: ServiceNumber> Worker<'_, N> {
             entropy(),
         );
         let job = job.named(&scene.name).without_homing();
+        let job = job.with_outputs(&scene.job.outputs);
         let job = job.with_tools(trirrr_scene::CarriedTools::of(scene));
         Task::job(job, client, number)
     }

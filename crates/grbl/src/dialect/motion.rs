@@ -45,6 +45,7 @@ impl Dialect {
         }
         if work.end.is_some() {
             self.flush();
+            self.ends = !self.is_check;
         }
     }
 
@@ -120,8 +121,11 @@ impl Dialect {
                 self.flush();
                 self.wait = Some(Wait::Dwell(seconds));
             }
-            // The setup has no outputs: the interpreter refuses them.
-            Act::Output(_) => {}
+            // Which move begins with the next motion is known at rest alone: the machine plans the moves.
+            Act::Output(act) => {
+                self.flush();
+                self.wait = Some(Wait::Output(act));
+            }
             Act::Pause => {
                 self.flush();
                 self.wait = Some(Wait::Pause);

@@ -250,6 +250,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// offer takes its place.
     fn refuse(&mut self, violation: Violation<N>) {
         self.withdraw();
+        self.drop_outputs();
         self.tell_refused(violation);
     }
 
@@ -264,14 +265,13 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         self.push_event(Event::Verdict(verdict));
     }
 
-    /// Drops all moves that are not judged.
+    /// Drops all moves that are not judged. The changes of outputs with them stay: a path makes another move of that number.
     pub(super) fn withdraw(&mut self) {
         let Some(offered) = self.offered.refuse() else {
             return;
         };
         self.checking = false;
         self.drop_levels();
-        self.drop_outputs();
         // Where the refused one is a cubic, a quintic behind a quintic starts anew.
         let [acceleration, _] = offered.quintic().unwrap_or([[N::ZERO; 3]; 2]);
         let Move {

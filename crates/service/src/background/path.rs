@@ -88,6 +88,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     #[inline(never)]
     fn end_path(&mut self, number: u32, violation: Violation<N>) {
         self.planner.drop_path();
+        self.drop_outputs();
         self.status.piece = number;
         self.tell_refused(violation);
     }

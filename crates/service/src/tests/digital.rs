@@ -1,8 +1,14 @@
 //! Spare inputs and outputs.
 
 use super::*;
+use crate::admission::Path;
 use crate::settings::StopCategory;
-use trirrr_protocol::message::{Acting, DigitalStates, FaultCode, OutputSwitch};
+use trirrr_core::model::Model;
+use trirrr_core::setpoint::Quintics;
+use trirrr_protocol::message::{
+    Acting, Bounded, DigitalStates, FaultCode, OutputSwitch, PathCurve, PathPiece, QuinticMove,
+    Violation,
+};
 
 const TICKS: u32 = 40;
 const DEBOUNCE: u16 = 3;
@@ -57,7 +63,7 @@ fn offer(bench: &mut Bench<DigitalScene>, changes: &[Option<(u8, u8)>]) {
 }
 
 /// The outputs tick by tick, up to the end of the job.
-fn played(bench: &mut Bench<DigitalScene>) -> Vec<(u32, u32, u8)> {
+fn played<S: Scene<N = f64> + 'static>(bench: &mut Bench<S>) -> Vec<(u32, u32, u8)> {
     let mut played = Vec::new();
     loop {
         bench.tick();
@@ -328,6 +334,119 @@ fn changes_go_with_a_move_that_is_refused_and_with_a_queue_that_is_dropped() {
     bench.done(Command::Start);
     bench.ticks(5);
     assert_eq!(bench.service.digital_outputs(), 0);
+}
+
+/// Planner of a line to the second corner, whose first move is too fast. It finds no way along a piece of feed 2.
+struct HastyPlanner {
+    from: Option<Pose<f64>>,
+    ticks: u32,
+    is_kept: bool,
+    finds_none: bool,
+}
+
+impl PathPlanner<f64> for HastyPlanner {
+    const EMPTY: Self = Self {
+        from: None,
+        ticks: 1,
+        is_kept: false,
+        finds_none: false,
+    };
+
+    fn set_up(&mut self, _: Option<Planning<f64>>) {}
+
+    fn can_plan(&self) -> bool {
+        true
+    }
+
+    fn is_active(&self) -> bool {
+        self.from.is_some()
+    }
+
+    fn begin(&mut self, pose: Pose<f64>, _: u32) {
+        *self = Self {
+            from: Some(pose),
+            ..Self::EMPTY
+        };
+    }
+
+    fn push(&mut self, piece: &PathPiece<f64>) -> bool {
+        self.finds_none = piece.feed == 2.0;
+        true
+    }
+
+    fn step<M: Model<N = f64>>(&mut self, _: &Path<M>) -> PathStep<f64> {
+        match self.from.filter(|_| !self.is_kept) {
+            Some(_) if self.finds_none => PathStep::Refused {
+                number: 0,
+                violation: Violation {
+                    what: Bounded::Rate,
+                    index: Some(0),
+                    at: 0.5,
+                    value: 9.0,
+                    error: None,
+                    limit: 5.0,
+                    certain: true,
+                    ramp: false,
+                    shortest: None,
+                },
+            },
+            Some(from) => PathStep::Move(QuinticMove {
+                common: rest(0, from, corner(1), self.ticks),
+                start_acceleration: [0.0; 3],
+                end_acceleration: [0.0; 3],
+            }),
+            None => PathStep::Done,
+        }
+    }
+
+    fn keep(&mut self) {
+        self.is_kept = true;
+    }
+
+    fn cut<M: Model<N = f64>>(&mut self, _: &Path<M>, _: &Violation<f64>) {
+        self.ticks = TICKS;
+    }
+
+    fn drop_path(&mut self) {
+        *self = Self::EMPTY;
+    }
+}
+
+/// A machine that plans by itself begins with its outputs as a job of moves does: in the tick of the first move.
+#[test]
+fn a_change_stays_with_the_move_that_the_planner_makes_anew() {
+    let limits = LimitParameters {
+        rate_rad_s: Some([5.0; 3]),
+        ..LimitParameters::default()
+    };
+    let scene = WithDigital {
+        scene: Adjustable::<Dynamic<f64>, Quintics, HastyPlanner>::new(example(), limits),
+        parameters: scene().parameters,
+    };
+    let mut bench = Bench::set(scene, home(), settings());
+    let piece = |feed| {
+        Command::Path(PathPiece {
+            number: 0,
+            curve: PathCurve::Line { to: corner(1) },
+            feed,
+            tool_power: 0.0,
+            tool_speed: 0.0,
+            last: true,
+        })
+    };
+    // With a path that is refused its changes go.
+    bench.done(at(0, STAYS, 0));
+    bench.done(piece(2.0));
+    bench.judge();
+    assert!(bench.status().refused.is_some());
+    bench.done(at(0, OF_JOBS, 0));
+    bench.done(piece(0.1));
+    bench.judge();
+    assert_eq!(bench.status().admitted, 1, "{:?}", bench.status().refused);
+    bench.done(Command::Start);
+    let played = played(&mut bench);
+    assert_eq!(played.len() as u32, TICKS + 1);
+    assert!(played.iter().all(|(.., outputs)| *outputs == OF_JOBS));
 }
 
 #[test]

@@ -252,8 +252,11 @@ impl<'b, 't> LineRun<'b, 't> {
         let numbers = 0..self.fixed.outputs;
         let Some(index) = numbers.into_iter().find(|n| f64::from(*n) == word.value) else {
             let reason = match self.fixed.outputs {
-                0 => "there are no outputs: [[io.outputs]] of the scene names them, and senders of GRBL have none".into(),
-                outputs => format!("there is no such output; they have the numbers 0 to {}", outputs - 1),
+                0 => "there are no outputs: [[io.outputs]] of the scene names them".into(),
+                outputs => format!(
+                    "there is no such output; they have the numbers 0 to {}",
+                    outputs - 1
+                ),
             };
             return Err(self.block.refuse(word.text, &reason));
         };

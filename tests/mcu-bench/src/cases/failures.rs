@@ -273,7 +273,7 @@ pub(super) fn halt(subject: &Subject) -> Result<Vec<Row>> {
     Ok(rows)
 }
 
-/// The cable is pulled: the machine comes to rest on its path, and the tool is off.
+/// The cable is pulled: the machine comes to rest on its path, and the tool is off, as outputs of jobs are. Other spare outputs stay.
 pub(super) fn cable(subject: &Subject) -> Result<Vec<Row>> {
     let (mut board, mut host) = subject.in_mid_job(OSCILLATOR_HZ[0])?;
     let service = &subject.scene.service;
@@ -285,10 +285,18 @@ pub(super) fn cable(subject: &Subject) -> Result<Vec<Row>> {
     let end = since + bound + 200 * MS;
     host.run(&mut board, end)?;
     let outputs = subject.outputs();
+    let spare = subject.scene.spare_pins.outputs.iter();
+    let staying: Vec<&str> = spare
+        .zip(wiring::SPARE)
+        .filter(|(output, _)| !output.job_only)
+        .map(|(_, name)| name)
+        .collect();
     // The drives hold the machine where it waits.
     let moving: Vec<_> = outputs
-        .into_iter()
+        .iter()
         .filter(|output| output.name != "drives" && output.name != "tool enable")
+        .filter(|output| !staying.contains(&output.name))
+        .copied()
         .collect();
     let mut rows = vec![off_within(
         &board,
@@ -298,6 +306,14 @@ pub(super) fn cable(subject: &Subject) -> Result<Vec<Row>> {
         since,
         bound,
     )];
+    let was_on = |output: &&wiring::Output| output.was_on(board.trace(), since - MS);
+    for output in outputs.iter().filter(was_on) {
+        if staying.contains(&output.name) {
+            let is_on = output.off_since(board.trace(), since).is_none();
+            let what = format!("cable pulled: {} stays on", output.name);
+            rows.push(fact("cable", &what, is_on.to_string(), "true"));
+        }
+    }
     if subject.has_usb {
         rows.extend(usb::plugged_in(subject, &mut board)?);
     }
@@ -324,23 +340,27 @@ pub(super) fn stop(subject: &Subject) -> Result<Vec<Row>> {
         .copied()
         .filter(|output| output.name == "tool")
         .collect();
+    let spare: Vec<_> = outputs
+        .iter()
+        .copied()
+        .filter(|output| wiring::SPARE.contains(&output.name))
+        .collect();
     let at_once = ticks(f64::from(stop.debounce_ticks) + 1.0);
-    Ok(vec![
-        off_within(
-            &board,
-            &outputs,
-            "stop",
-            "emergency stop, category 1",
-            since,
-            bound,
-        ),
-        off_within(
-            &board,
-            &tool,
-            "stop",
-            "emergency stop, tool",
-            since,
-            at_once,
-        ),
-    ])
+    let mut rows = vec![off_within(
+        &board,
+        &outputs,
+        "stop",
+        "emergency stop, category 1",
+        since,
+        bound,
+    )];
+    for (those, what) in [
+        (tool, "emergency stop, tool"),
+        (spare, "emergency stop, spare outputs"),
+    ] {
+        if !those.is_empty() {
+            rows.push(off_within(&board, &those, "stop", what, since, at_once));
+        }
+    }
+    Ok(rows)
 }

@@ -6,6 +6,7 @@ mod failures;
 mod install;
 mod job;
 mod line;
+mod outputs;
 mod power_up;
 mod slots;
 mod update;
@@ -20,6 +21,9 @@ use crate::wiring::{self, Output};
 use anyhow::{Result, ensure};
 use std::path::{Path, PathBuf};
 use trirrr_scene::{DriveKind, Scene};
+
+/// Outputs that are on in the middle of a job. Of the spare ones the second: scenes of the bench have it so.
+const ON_IN_MID_JOB: [&str; 4] = ["drives", "tool", "tool enable", wiring::SPARE[1]];
 
 /// Clock of the watchdog's oscillator, Hz: typical, and the ends of the data sheet.
 pub(crate) const OSCILLATOR_HZ: [u64; 3] = [32_000, 47_000, 17_000];
@@ -68,6 +72,8 @@ pub(crate) enum Needs {
     SceneOverLine,
     /// Steppers, and the line over USB.
     Usb,
+    /// Spare outputs, on a machine of steppers.
+    SpareOutputs,
 }
 
 /// Case of the bench.
@@ -84,7 +90,7 @@ impl Case {
 }
 
 /// All cases.
-pub(crate) const CASES: [Case; 28] = [
+pub(crate) const CASES: [Case; 29] = [
     Case::of("power-up", Needs::Any, power_up::rest),
     Case::of("crystal", Needs::Any, power_up::crystal),
     Case::of("job", Needs::Steppers, job::run),
@@ -113,6 +119,7 @@ pub(crate) const CASES: [Case; 28] = [
     Case::of("suspend", Needs::Usb, usb::suspend),
     Case::of("reader", Needs::Usb, usb::reader),
     Case::of("transfer", Needs::Usb, usb::transfer),
+    Case::of("outputs", Needs::SpareOutputs, outputs::run),
 ];
 
 impl Subject {
@@ -171,6 +178,9 @@ impl Subject {
         match needs {
             Needs::Any => true,
             Needs::Update => self.update.is_some(),
+            Needs::SpareOutputs => {
+                self.has(Needs::Steppers) && !self.scene.spare_pins.outputs.is_empty()
+            }
             Needs::SceneOverLine => self.update.is_some() && self.scene.service.scene_over_line,
             Needs::Steppers => matches!(kind, Some(DriveKind::Stepper(_))),
             Needs::Usb => self.has_usb && self.has(Needs::Steppers),
@@ -213,7 +223,7 @@ impl Subject {
             .iter()
             .filter(|output| !output.was_on(board.trace(), middle - 2 * MS))
             .map(|output| output.name)
-            .filter(|name| ["drives", "tool", "tool enable"].contains(name))
+            .filter(|name| ON_IN_MID_JOB.contains(name))
             .collect();
         ensure!(
             off.is_empty(),
