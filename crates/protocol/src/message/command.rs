@@ -335,3 +335,25 @@ impl<N: Number, S> Command<N, S> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_job_label_is_read_back_and_a_cut_one_is_an_error() {
+        let label = JobLabel {
+            name: core::array::from_fn(|index| 255 - index as u8),
+            items: 7,
+            check: 9,
+        };
+        let mut buffer = [0; 64];
+        let bytes = postcard::to_slice(&label, &mut buffer).expect("there is room");
+        assert_eq!(bytes.len(), NAME_CAPACITY + 2);
+        assert_eq!(postcard::from_bytes::<JobLabel>(bytes), Ok(label));
+        for length in 0..bytes.len() {
+            let cut = postcard::from_bytes::<JobLabel>(&bytes[..length]);
+            assert_eq!(cut, Err(postcard::Error::DeserializeUnexpectedEnd));
+        }
+    }
+}
