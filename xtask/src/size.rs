@@ -121,7 +121,7 @@ const CEILINGS: [Ceiling; 3] = [
     // states in which drives go on and off, and come to rest after a fault, take 2.7 KiB; several requests in flight, and the
     // account of what a job met, 1.9 KiB. Limits of the motors, fields of a sample and the name of a job take 1.5 KiB.
     // Answers about updates, scenes over the line and spare outputs take 0.6 KiB.
-    Ceiling::new("firmware thumbv7em-none-eabihf * thesis", "flash", 66_560.0),
+    Ceiling::new("firmware thumbv7em-none-eabihf * thesis", "flash", 65_024.0),
     // Of it, 53 KiB are for the 256 moves that wait.
     Ceiling::new("firmware thumbv7em-none-eabihf * thesis", "ram", 67_584.0),
 ];

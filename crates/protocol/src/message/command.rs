@@ -6,8 +6,9 @@ use super::{
     LevelPiece, ListedMove, Move, MoveBatch, OutputSwitch, PathPiece, QuinticMove, TelemetryFields,
     Transmit, Unread, UpdateStep,
 };
+use core::fmt;
 use postcard_schema::Schema;
-use serde::de::DeserializeOwned;
+use serde::de::{DeserializeOwned, Deserializer, Error as _, SeqAccess, Visitor};
 use serde::{Deserialize, Serialize};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
@@ -140,11 +141,40 @@ pub struct Hello {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct JobLabel {
     /// Name: ASCII, cut where it is longer, zeros behind it.
+    #[serde(deserialize_with = "bytes_in_turn")]
     pub name: [u8; NAME_CAPACITY],
     /// Number of its moves, or of its pieces of a path.
     pub items: u32,
     /// Checksum over all of them, by which a host knows its job again; of its own choice.
     pub check: u32,
+}
+
+/// Reads an array byte by byte in a loop: serde's own way is one step after the other, each with its own test.
+fn bytes_in_turn<'de, D: Deserializer<'de>, const BYTES: usize>(
+    deserializer: D,
+) -> Result<[u8; BYTES], D::Error> {
+    deserializer.deserialize_tuple(BYTES, InTurn::<BYTES>)
+}
+
+/// Reader of bytes, see [`bytes_in_turn`].
+struct InTurn<const BYTES: usize>;
+
+impl<'de, const BYTES: usize> Visitor<'de> for InTurn<BYTES> {
+    type Value = [u8; BYTES];
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{BYTES} bytes")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<[u8; BYTES], A::Error> {
+        let mut bytes = [0; BYTES];
+        for (index, byte) in bytes.iter_mut().enumerate() {
+            *byte = sequence
+                .next_element()?
+                .ok_or_else(|| A::Error::invalid_length(index, &self))?;
+        }
+        Ok(bytes)
+    }
 }
 
 /// Goal of a machine that plays quintics, by moves that it plans itself.
@@ -302,6 +332,28 @@ impl<N: Number, S> Command<N, S> {
                 ticks: listed.step.ticks,
             }),
             _ => None,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_job_label_is_read_back_and_a_cut_one_is_an_error() {
+        let label = JobLabel {
+            name: core::array::from_fn(|index| 255 - index as u8),
+            items: 7,
+            check: 9,
+        };
+        let mut buffer = [0; 64];
+        let bytes = postcard::to_slice(&label, &mut buffer).expect("there is room");
+        assert_eq!(bytes.len(), NAME_CAPACITY + 2);
+        assert_eq!(postcard::from_bytes::<JobLabel>(bytes), Ok(label));
+        for length in 0..bytes.len() {
+            let cut = postcard::from_bytes::<JobLabel>(&bytes[..length]);
+            assert_eq!(cut, Err(postcard::Error::DeserializeUnexpectedEnd));
         }
     }
 }
