@@ -17,7 +17,7 @@ use trirrr_scene::{DriveKind, Scene};
 /// Board of the STM32G474 whose pins the bench knows.
 const G474_BOARD: &str = "nucleo-g474re";
 
-/// Scenes without names, before [`UPDATED`]: a laser on steppers with an emergency stop, a longer job, drives with encoders, drives on a bus, the same
+/// Scenes without names, before [`SWITCHED`] and [`UPDATED`]: a laser on steppers with an emergency stop, a longer job, drives with encoders, drives on a bus, the same
 /// on CAN FD, and the line alone, without drives.
 const SCENES: [&str; 6] = [
     "inputs/guarded",
@@ -27,6 +27,9 @@ const SCENES: [&str; 6] = [
     "plant-moteus",
     "chained",
 ];
+
+/// A scene whose job switches spare outputs.
+const SWITCHED: &str = "tests/mcu-bench/scenes/switched.toml";
 
 /// An image that is replaced over the line, and the one that takes its place.
 pub(crate) const UPDATED: [&str; 2] = [
@@ -72,9 +75,9 @@ pub(crate) struct BenchArgs {
 pub(crate) fn run(arguments: &BenchArgs) -> Result<()> {
     let names = match arguments.scenes.as_slice() {
         [] => {
-            let updated = repository::root().join(UPDATED[0]);
-            let scenes = SCENES.map(str::to_owned).into_iter();
-            scenes.chain([updated.display().to_string()]).collect()
+            let files = [SWITCHED, UPDATED[0]].map(|file| repository::root().join(file));
+            let files = files.map(|file| file.display().to_string());
+            SCENES.map(str::to_owned).into_iter().chain(files).collect()
         }
         some => some.to_vec(),
     };

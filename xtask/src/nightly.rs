@@ -229,30 +229,6 @@ fn steps() -> Result<Vec<Step>> {
             "classic CAN of the STM32G474",
             &["bench", "--g474", "plant-odrive"],
         )?,
-        // Without `job`: a block of this image is longer than that case allows.
-        Step::chore(
-            "spare outputs of a flashed image",
-            &[
-                "bench",
-                "tests/mcu-bench/scenes/switched.toml",
-                "--case",
-                "power-up",
-                "--case",
-                "resets",
-                "--case",
-                "panic",
-                "--case",
-                "hard-fault",
-                "--case",
-                "watchdog",
-                "--case",
-                "cable",
-                "--case",
-                "stop",
-                "--case",
-                "outputs",
-            ],
-        )?,
         Step::chore(
             "a bad line of the STM32G474",
             &[
