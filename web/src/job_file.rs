@@ -186,7 +186,9 @@ pub fn is_drawing(file: &str) -> bool {
 fn notes(read: &ReadJob) -> Vec<String> {
     let fitted = read.fitted.map(|fitted| format!("--fit: as {fitted}"));
     let pauses = read.pauses.iter().map(|line| {
-        format!("line {line} waits for the user; here the motion stops there and goes on")
+        format!(
+            "line {line} waits for the user or an input; here the motion stops there and goes on"
+        )
     });
     fitted.into_iter().chain(pauses).collect()
 }

@@ -13,7 +13,7 @@ use crate::view::{MachineAct, MachinePhase, MachineView, MotionCheck};
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_toolpath::gcode::{GcodeSetup, Interpreter};
-use trirrr_toolpath::{Element, OutputAct, ToolPlace};
+use trirrr_toolpath::{Element, InputAct, InputChange, OutputAct, ToolPlace};
 
 /// Reason for which no line is carried out now.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,6 +28,10 @@ enum Wait {
     Paused,
     /// The machine plays what comes before a change of an output.
     Output(OutputAct),
+    /// The machine plays what comes before a wait for an input.
+    Input(InputAct),
+    /// The machine stands until the input is as the program wants it, at the latest until this time.
+    Level(InputAct, Duration),
     /// The machine comes to rest: its place is then that of the path.
     Stand,
     /// Drives go on. True: until the reference is found, too.
@@ -237,6 +241,14 @@ impl Dialect {
                 self.acts.push(MachineAct::Output(act));
                 None
             }
+            Wait::Input(act) if is_empty => {
+                Some(Wait::Level(act, now.saturating_add(timeout(&act))))
+            }
+            Wait::Level(act, _) if view.inputs.is_some_and(|inputs| inputs.ends(&act)) => None,
+            Wait::Level(act, end) if now >= end => {
+                self.waited_in_vain(&act);
+                return false;
+            }
             Wait::Stand if is_empty => {
                 self.interpreter.set_place(view.place);
                 None
@@ -254,6 +266,25 @@ impl Dialect {
         };
         self.wait = next;
         next.is_none()
+    }
+
+    /// Ends a wait for an input that has not come: the program does not go on, and everything waits for `$X`.
+    fn waited_in_vain(&mut self, act: &InputAct) {
+        let wanted = match act.until {
+            InputChange::Rise => "has not gone on",
+            InputChange::Fall => "has not gone off",
+            InputChange::High => "was not on",
+            InputChange::Low => "was not off",
+        };
+        let (line, index, seconds) = (self.line, act.index, act.timeout_s);
+        self.message(&format!(
+            "line {line}: input {index} {wanted} within {seconds} s"
+        ));
+        self.alarm(fault::ALARM_NO_CONTACT);
+        self.error(fault::LOCKED);
+        self.drop_motions();
+        self.is_locked = true;
+        self.wait = Some(Wait::Stand);
     }
 
     /// Answers `$X` and `$H` once the machine is ready, or cannot be.
@@ -371,6 +402,12 @@ fn interpreter(settings: &Settings, start: ToolPlace) -> Interpreter {
         full_power: settings.full_power,
         ignore_z: settings.facts().ignore_z,
         outputs: settings.facts().outputs,
+        inputs: settings.facts().inputs,
         ..GcodeSetup::default()
     })
+}
+
+/// Longest wait for an input.
+fn timeout(act: &InputAct) -> Duration {
+    Duration::try_from_secs_f64(act.timeout_s).unwrap_or(Duration::MAX)
 }

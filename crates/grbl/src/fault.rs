@@ -33,8 +33,8 @@ pub(crate) const ALARM_FAULT: u8 = 1;
 pub(crate) const ALARM_TRAVEL: u8 = 2;
 /// The probe is not as a motion with it needs it.
 pub(crate) const ALARM_PROBE: u8 = 4;
-/// A motion with the probe has ended without a contact.
-pub(crate) const ALARM_NOT_PROBED: u8 = 5;
+/// A motion with the probe, or a wait for an input, has ended without a contact.
+pub(crate) const ALARM_NO_CONTACT: u8 = 5;
 /// Homing failed.
 pub(crate) const ALARM_HOMING: u8 = 8;
 

@@ -23,4 +23,4 @@ mod view;
 
 pub use dialect::Dialect;
 pub use settings::MachineFacts;
-pub use view::{MachineAct, MachinePhase, MachineView, MotionCheck, ProbeEnd};
+pub use view::{InputsView, MachineAct, MachinePhase, MachineView, MotionCheck, ProbeEnd};

@@ -15,6 +15,8 @@ pub struct MachineFacts {
     pub ignore_z: bool,
     /// Outputs that M62 to M65 switch, at most 8. Their numbers begin at 0.
     pub outputs: u8,
+    /// Inputs that M66 waits for, at most 8. Their numbers begin at 0.
+    pub inputs: u8,
 }
 
 /// Speed that is reported for rapids, and to which their override refers, mm/min.

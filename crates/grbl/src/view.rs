@@ -1,6 +1,6 @@
 //! Machine, as a sender of G-code sees it.
 
-use trirrr_toolpath::{Element, OutputAct, ToolMotion, ToolPlace};
+use trirrr_toolpath::{Element, InputAct, InputChange, OutputAct, ToolMotion, ToolPlace};
 
 /// Phase of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -44,6 +44,32 @@ pub struct MachineView {
     pub feed_percent: u8,
     /// End of the last motion with the probe; none while it is under way, and before any.
     pub probe: Option<ProbeEnd>,
+    /// Spare inputs; none before the machine has told them.
+    pub inputs: Option<InputsView>,
+}
+
+/// Spare inputs of the machine: a bit for each, the first is bit 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct InputsView {
+    /// Those that are on.
+    pub on: u8,
+    /// Those that have gone on since the view before.
+    pub risen: u8,
+    /// Those that have gone off since.
+    pub fallen: u8,
+}
+
+impl InputsView {
+    /// Returns true if the input is as `act` wants it.
+    pub(crate) fn ends(&self, act: &InputAct) -> bool {
+        let bits = match act.until {
+            InputChange::Rise => self.risen,
+            InputChange::Fall => self.fallen,
+            InputChange::High => self.on,
+            InputChange::Low => !self.on,
+        };
+        bits >> act.index & 1 != 0
+    }
 }
 
 /// End of a motion with the probe.

@@ -1,7 +1,9 @@
 //! Damaged lines, on a machine that obeys at once.
 
 use std::time::Duration;
-use trirrr_grbl::{Dialect, MachineAct, MachineFacts, MachinePhase, MachineView, MotionCheck};
+use trirrr_grbl::{
+    Dialect, InputsView, MachineAct, MachineFacts, MachinePhase, MachineView, MotionCheck,
+};
 use trirrr_toolpath::{Act, OutputAct, ToolMotion, ToolPlace};
 
 /// A square around the origin, m.
@@ -35,6 +37,7 @@ impl Machine {
             has_homing: false,
             ignore_z: false,
             outputs: 2,
+            inputs: 2,
         };
         let view = MachineView {
             phase: MachinePhase::Off,
@@ -46,6 +49,7 @@ impl Machine {
             is_empty: true,
             feed_percent: 100,
             probe: None,
+            inputs: None,
         };
         Self {
             dialect: Dialect::new(facts, ToolPlace::default(), false),
@@ -170,6 +174,55 @@ fn a_pause_waits_for_the_user_and_a_stand_for_its_time() {
     assert_eq!(machine.view.place.position_m[0], 1e-3);
     assert_eq!(answers(&machine.send(b"~")), 2);
     assert_eq!(machine.view.place.position_m[0], 2e-3);
+}
+
+/// The line is answered once the machine stands and the input is as it wants it, by its level or by a change that comes later.
+#[test]
+fn a_wait_for_an_input_ends_by_it() {
+    let mut machine = Machine::new();
+    machine.send(b"$X\n");
+    machine.view.is_empty = false;
+    assert_eq!(answers(&machine.send(b"G1 X1 F100\nM66 P1 L3 Q1000\n")), 1);
+    // Before the machine has told its inputs, none is on or off.
+    machine.view.is_empty = true;
+    assert_eq!(answers(&machine.send(b"")), 0);
+    let inputs = |on, risen, fallen| Some(InputsView { on, risen, fallen });
+    machine.view.inputs = inputs(0b01, 0, 0);
+    assert_eq!(answers(&machine.send(b"")), 0);
+    machine.view.inputs = inputs(0b10, 0, 0);
+    assert_eq!(machine.send(b""), "ok\r\n");
+    // A level is no change.
+    for (line, changed) in [
+        (b"M66 P1 L1 Q1000\n", inputs(0b10, 0b10, 0b10)),
+        (b"M66 P1 L2 Q1000\n", inputs(0b10, 0, 0b10)),
+    ] {
+        machine.view.inputs = inputs(0b10, 0b01, 0b01);
+        assert_eq!(machine.send(line), "");
+        machine.view.inputs = changed;
+        assert_eq!(machine.send(b""), "ok\r\n");
+    }
+    machine.view.inputs = inputs(0b10, 0, 0);
+    assert_eq!(machine.send(b"M66 P0 L4 Q1000\n"), "ok\r\n");
+}
+
+#[test]
+fn a_wait_that_is_over_in_vain_locks_the_machine() {
+    let mut machine = Machine::new();
+    machine.send(b"$X\n");
+    machine.view.inputs = Some(InputsView::default());
+    let said = machine.send(b"G1 X1 F100\nM66 P1 L3 Q5.5\nX2\n");
+    let expected = "ok\r\n[MSG:line 3: input 1 was not on within 5.5 s]\r\nALARM:5\r\nerror:9\r\n";
+    assert_eq!((said.as_str(), machine.motions), (expected, 1));
+    assert!(machine.send(b"G1 X2\n").contains("the machine is locked"));
+    machine.send(b"$X\nG1 X2 F100\n");
+    assert_eq!(machine.motions, 2);
+    // A reset ends a wait without an alarm.
+    machine.send(b"M66 P1 L1 Q1000000\n");
+    let said = machine.send(b"\x18G1 X1 F100\n");
+    assert!(
+        !said.contains("ALARM") && said.ends_with("ok\r\n"),
+        "{said}"
+    );
 }
 
 /// Each comes once the machine stands behind what is before it.

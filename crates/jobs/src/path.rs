@@ -54,7 +54,7 @@ pub struct PathReader {
     sources: usize,
     /// Outputs that change with the next motion.
     waiting: Option<OutputBits>,
-    /// Lines at which the job waits for the user.
+    /// Lines at which the job waits, for the user or for an input.
     pub pauses: Vec<u32>,
 }
 
@@ -142,7 +142,7 @@ impl PathReader {
                     self.stops = true;
                 }
             }
-            Act::Pause => {
+            Act::Pause | Act::Input(_) => {
                 self.pauses.push(element.line);
                 self.stops = true;
             }

@@ -20,7 +20,7 @@ const LONGEST_NAME: usize = 32;
 pub struct ReadJob {
     /// The path.
     pub path: JobPath,
-    /// Lines at which the job waits for the user.
+    /// Lines at which the job waits, for the user or for an input.
     pub pauses: Vec<u32>,
     /// Places of its elements.
     pub places: ElementPlaces,
@@ -82,6 +82,7 @@ pub fn gcode_setup(machine: &Scene, options: &JobOptions) -> GcodeSetup {
         ignore_z: options.ignore_z,
         // At most eight.
         outputs: machine.spare_pins.outputs.len() as u8,
+        inputs: machine.spare_pins.inputs.len() as u8,
     }
 }
 

@@ -48,6 +48,32 @@ pub enum Act {
     Pause,
     /// An output of the machine goes on or off.
     Output(OutputAct),
+    /// The machine stands until one of its inputs is as the program wants it (M66).
+    Input(InputAct),
+}
+
+/// Wait for an input.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InputAct {
+    /// Number of the input, from 0, below 8.
+    pub index: u8,
+    /// End of the wait.
+    pub until: InputChange,
+    /// Longest wait, s, positive.
+    pub timeout_s: f64,
+}
+
+/// Change or level of an input that ends a wait.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InputChange {
+    /// It goes on (L1).
+    Rise,
+    /// It goes off (L2).
+    Fall,
+    /// It is on (L3).
+    High,
+    /// It is off (L4).
+    Low,
 }
 
 /// Change of an output.

@@ -7,32 +7,34 @@
 //! program.
 #![allow(unsafe_code)]
 
-use crate::registers::{READS, read, write};
+use crate::registers::{Controller, READS, read, write};
 use crate::{Flash, FlashError};
 use core::sync::atomic::{AtomicU8, Ordering};
 
 const ACR: u32 = 0x4002_2000;
-const KEYR: u32 = 0x4002_2008;
-const SR: u32 = 0x4002_2010;
-const CR: u32 = 0x4002_2014;
 const ECCR: u32 = 0x4002_2018;
 const OPTR: u32 = 0x4002_2020;
+
+const CONTROLLER: Controller = Controller {
+    keys: 0x4002_2008,
+    status: 0x4002_2010,
+    control: 0x4002_2014,
+    flags: FLAGS,
+    errors: FLAGS & !END,
+};
 
 /// Cache of data. It would hide a second look at a lost double word from the check.
 const DATA_CACHE: u32 = 1 << 10;
 
-const BUSY: u32 = 1 << 16;
 /// End of an operation, and errors of operation, programming, protection, alignment, size and sequence.
 const FLAGS: u32 = 0b11_1111_1011;
-const ERRORS: u32 = FLAGS & !1;
+const END: u32 = 1;
 
 const PROGRAM: u32 = 1;
 const PAGE_ERASE: u32 = 1 << 1;
 /// Place of the page's number, and the bit of the second bank.
 const PAGE: u32 = 3;
 const SECOND_BANK: u32 = 1 << 11;
-const START: u32 = 1 << 16;
-const LOCK: u32 = 1 << 31;
 
 /// Two errors in a double word, and one that was corrected.
 const LOST: u32 = 1 << 31;
@@ -79,25 +81,6 @@ impl ChipFlash {
     pub const unsafe fn take() -> Self {
         Self(())
     }
-
-    /// Waits for the end of an operation, and locks the flash again.
-    fn end(place: u32) -> Result<(), FlashError> {
-        let ended = (0..READS).any(|_| read(SR) & BUSY == 0);
-        let status = read(SR);
-        write(CR, LOCK);
-        match ended && status & ERRORS == 0 {
-            true => Ok(()),
-            false => Err(FlashError { place, status }),
-        }
-    }
-
-    fn begin(control: u32) {
-        write(KEYR, 0x4567_0123);
-        write(KEYR, 0xCDEF_89AB);
-        // Those of before: with one of them nothing begins.
-        write(SR, FLAGS);
-        write(CR, control);
-    }
 }
 
 impl Flash for ChipFlash {
@@ -126,17 +109,15 @@ impl Flash for ChipFlash {
         }
         let bank = if sector < PAGES { 0 } else { SECOND_BANK };
         let control = PAGE_ERASE | u32::from(sector % PAGES) << PAGE | bank;
-        Self::begin(control);
-        write(CR, control | START);
-        Self::end(sector.into())
+        CONTROLLER.erase(control, sector.into())
     }
 
     fn program(&mut self, address: u32, unit: u64) -> Result<(), FlashError> {
-        Self::begin(PROGRAM);
+        CONTROLLER.begin(PROGRAM);
         write(address, unit as u32);
         // In two accesses, the first one before the second (RM0440, 3.3.7).
         cortex_m::asm::isb();
         write(address + 4, (unit >> 32) as u32);
-        Self::end(address)
+        CONTROLLER.end(address)
     }
 }

@@ -1,5 +1,6 @@
 //! Machine behind a sender: pieces of its path, orders, and what the machine tells.
 
+use super::inputs::ProgramInputs;
 use super::outputs::ProgramOutputs;
 use super::path::{PathFeed, QueuedPiece};
 use std::collections::VecDeque;
@@ -76,6 +77,7 @@ pub(super) struct MachineDriver<N: Transmit> {
     is_settled: bool,
     orders: VecDeque<Command<N>>,
     feed: PathFeed,
+    inputs: ProgramInputs,
     outputs: ProgramOutputs,
     /// Number of the next piece.
     piece: Option<u32>,
@@ -121,6 +123,7 @@ impl<N: Transmit> MachineDriver<N> {
             is_settled: true,
             orders: VecDeque::new(),
             feed: PathFeed::new(start, corner_m),
+            inputs: ProgramInputs::default(),
             outputs: ProgramOutputs::new(&scene.spare_pins),
             piece: None,
             changes: 0,
@@ -137,8 +140,8 @@ impl<N: Transmit> MachineDriver<N> {
         }
     }
 
-    /// The machine as it is known now.
-    pub(super) fn view(&self) -> MachineView {
+    /// The machine as it is known now, with the changes of its inputs since the view before.
+    pub(super) fn view(&mut self) -> MachineView {
         MachineView {
             phase: self.phase(),
             reason: self.reason.clone(),
@@ -155,6 +158,7 @@ impl<N: Transmit> MachineDriver<N> {
                 Some(Probing::Ended(end)) => Some(end.clone()),
                 _ => None,
             },
+            inputs: self.inputs.view(),
         }
     }
 
@@ -377,6 +381,7 @@ impl<N: Transmit> MachineDriver<N> {
                 self.sample = Some((sample.state, now));
             }
             Message::Event(Event::State { .. } | Event::Fault(_)) => self.look = self.look.min(now),
+            Message::Event(Event::Digital(states)) => self.inputs.take_event(*states),
             _ => {}
         }
         let Some((Request { command, .. }, reply)) = self.exchange.receive(message) else {
@@ -418,6 +423,9 @@ impl<N: Transmit> MachineDriver<N> {
         self.look = now + STATUS_EVERY;
         self.known = self.asked_at;
         self.status = Some(status);
+        if let Some(states) = status.digital {
+            self.inputs.take_status(states);
+        }
         let is_old = |(state, time): (State, Duration)| moves(state) && now < time + SAMPLE_AGE;
         self.is_settled = moves(status.state) || !self.sample.is_some_and(is_old);
         if !self.is_settled {

@@ -5,6 +5,7 @@
 
 mod args;
 mod driver;
+mod inputs;
 mod outputs;
 mod path;
 mod reach;
@@ -120,6 +121,7 @@ fn serve<N: ServiceNumber>(
         has_homing: scene.homing.is_some(),
         ignore_z: args.ignore_z,
         outputs: scene.spare_pins.outputs.len() as u8,
+        inputs: scene.spare_pins.inputs.len() as u8,
     };
     let driver = MachineDriver::<N>::new(
         scene,

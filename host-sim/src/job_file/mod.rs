@@ -36,13 +36,13 @@ pub(crate) enum LongMoves {
     InFile,
 }
 
-/// Scene that a command is to carry out, and where its job waits for the user.
+/// Scene that a command is to carry out, and where its job waits.
 pub(crate) struct LoadedJob {
     /// The scene of the machine, with the job of the file.
     pub(crate) scene: Scene,
     /// The scene of the machine as it stands in its file, if the job has a file of its own.
     pub(crate) machine: Option<Scene>,
-    /// Lines at which the job waits for the user.
+    /// Lines at which the job waits, for the user or for an input.
     pub(crate) pauses: Vec<u32>,
 }
 
@@ -60,7 +60,7 @@ impl LoadedJob {
     pub(crate) fn warn_of_pauses(&self) {
         for line in &self.pauses {
             say(&format!(
-                "warning: line {line} waits for the user; here the motion stops there and goes on"
+                "warning: line {line} waits for the user or an input; here the motion stops there and goes on"
             ));
         }
     }

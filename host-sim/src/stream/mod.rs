@@ -93,7 +93,7 @@ fn check_board<N: ServiceNumber>(job: &LoadedJob) -> Result<(), String> {
     } = job;
     if let [first, ..] = pauses[..] {
         return Err(format!(
-            "{first}: the job waits for the user here, and a streamed job does not: make two files of it, or take the pause out"
+            "{first}: the job waits for the user or an input here, and a streamed job does not: make two files of it, take the wait out, or send the file to `trirrr grbl`"
         ));
     }
     let Some(machine) = machine else {

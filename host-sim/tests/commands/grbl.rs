@@ -27,6 +27,7 @@ impl Server {
     fn of(arguments: &[&str]) -> Self {
         let mut process = Command::new(env!("CARGO_BIN_EXE_trirrr"))
             .args(arguments)
+            .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
             .unwrap();
@@ -46,6 +47,11 @@ impl Server {
             address: address.to_owned(),
             lines: said,
         }
+    }
+
+    /// Presses an input of a device with `--keys`, or lets it go.
+    fn press(&mut self, input: &str) {
+        writeln!(self.process.stdin.as_mut().unwrap(), "{input}").unwrap();
     }
 
     /// Waits for a line with `what`.
@@ -499,13 +505,11 @@ fn a_wall_is_probed_and_left() {
     assert!(contact(&sender.answer("ok")).ends_with(":0]"));
 }
 
-/// The scene with two spare outputs on a device that plans paths.
-#[test]
-fn a_sender_switches_outputs() {
+/// The scene with two spare outputs and an input on a device that plans paths, and the machine for senders.
+fn with_valves(folder: &Path) -> [Server; 2] {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
     let text = std::fs::read_to_string(scenes.join("inputs/valves.toml")).unwrap();
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("scene.toml");
+    let file = folder.join("scene.toml");
     let machine = format!("{:?}", scenes.join("thesis.toml"));
     let text = text.replace("\"../thesis.toml\"", &machine);
     std::fs::write(
@@ -515,9 +519,51 @@ fn a_sender_switches_outputs() {
     .unwrap();
     let scene = file.to_str().unwrap();
     let listen = ["--listen", "tcp:127.0.0.1:0"];
-    let device = Server::of(&[&["device", scene], &listen[..]].concat());
+    let device = Server::of(&[&["device", scene, "--keys"], &listen[..]].concat());
     let port = format!("tcp:{}", device.address);
     let server = Server::of(&[&["grbl", scene, "--port", &port], &listen[..]].concat());
+    [device, server]
+}
+
+#[test]
+fn a_sender_waits_for_an_input() {
+    let folder = tempfile::tempdir().unwrap();
+    let [mut device, server] = with_valves(folder.path());
+    let mut sender = Sender::unlocked(&server);
+    // Start of the scene's job: at rest.
+    let start = sender.report().place;
+    let from_start = |x| [start[0] + x, start[1], start[2]];
+    sender.send("M66 P1 L3 Q1\n");
+    let said = sender.answer("error:20").concat();
+    assert!(said.contains("they have the numbers 0 to 0"), "{said}");
+    // The machine stands behind the first motion until the sheet is there, and goes on.
+    let wait = "M66 P0 L3 Q1000\nG1 X10\n";
+    sender.stream("G91 G21\nG1 X10 F3000\n");
+    sender.send(wait);
+    let stands = |report: &Report| report.feed == 0.0 && report.place[0] > start[0] + 9.9;
+    let standing = sender.until(stands);
+    near(standing.place, from_start(10.0));
+    assert_eq!(standing.state, "Run");
+    device.press("sheet");
+    sender.answer("ok");
+    sender.answer("ok");
+    near(sender.idle(), from_start(20.0));
+    // Now it is there, and does not come again in time.
+    sender.send("M66 P0 L1 Q0.3\nG1 X-20\n");
+    let said = sender.answer("error:9").concat();
+    let expected = "input 0 has not gone on within 0.3 s";
+    assert!(
+        said.contains(expected) && said.contains("ALARM:5"),
+        "{said}"
+    );
+    let alarm = sender.until(|report| report.state == "Alarm");
+    near(alarm.place, from_start(20.0));
+}
+
+#[test]
+fn a_sender_switches_outputs() {
+    let folder = tempfile::tempdir().unwrap();
+    let [device, server] = with_valves(folder.path());
     let mut sender = Sender::unlocked(&server);
     sender.send("M64 P2\n");
     let said = sender.answer("error:20").concat();

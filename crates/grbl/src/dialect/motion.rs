@@ -126,6 +126,10 @@ impl Dialect {
                 self.flush();
                 self.wait = Some(Wait::Output(act));
             }
+            Act::Input(act) => {
+                self.flush();
+                self.wait = Some(Wait::Input(act));
+            }
             Act::Pause => {
                 self.flush();
                 self.wait = Some(Wait::Pause);

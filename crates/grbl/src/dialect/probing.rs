@@ -103,7 +103,7 @@ impl Dialect {
             }
             ProbeEnd::NotTouched => {
                 self.contact = (view.place, false);
-                must.then_some(fault::ALARM_NOT_PROBED)
+                must.then_some(fault::ALARM_NO_CONTACT)
             }
             ProbeEnd::Refused(reason) => {
                 self.message(reason);

@@ -38,11 +38,11 @@ pub(super) struct Block<'a> {
 }
 
 /// Letters of values.
-const LETTERS: [u8; 13] = *b"AFIJKLPRSTXYZ";
+const LETTERS: [u8; 14] = *b"AFIJKLPQRSTXYZ";
 /// Number of modal groups of G codes, so the most G codes in a line.
 const GROUPS: usize = 11;
 /// Number of modal groups of M codes.
-const MISC_GROUPS: usize = 4;
+const MISC_GROUPS: usize = 5;
 
 impl<'a> Block<'a> {
     pub(super) fn new(number: u32) -> Self {
@@ -165,10 +165,11 @@ fn put<T>(places: &mut [Option<T>], word: T) {
 
 fn unknown_letter(letter: u8) -> &'static str {
     match letter {
-        b'E' => "numbers have no exponents, and the machine has no extruder",
+        b'E' => {
+            "numbers have no exponents, the machine has no extruder, and inputs have two levels: P"
+        }
         b'B' | b'C' | b'U' | b'V' | b'W' => "the machine has no such axis; axes are X, Y and A",
         b'D' | b'H' => "there is no tool table; remove the word",
-        b'Q' => "the word has no use; with G64 give P alone",
         _ => "words with this letter are not supported; remove the word",
     }
 }

@@ -63,6 +63,8 @@ pub(super) enum MiscCode {
         on: bool,
         with_motion: bool,
     },
+    /// M66.
+    Input,
 }
 
 /// Code that ended a program.
@@ -167,7 +169,7 @@ pub(super) fn miscellaneous(tenths: u32) -> Result<MiscCode, &'static str> {
             on: tenths == 640,
             with_motion: false,
         },
-        660 => return Err("jobs do not wait for inputs; pause with M0, or stand with G4"),
+        660 => MiscCode::Input,
         670 | 680 => return Err("outputs have two levels: M62 to M65; the tool has power: S"),
         60 => return Err("the machine has no tool changer; remove the code, or pause with M0"),
         980 | 990 => return Err("subprograms are not supported; write their blocks out"),
@@ -186,5 +188,6 @@ pub(super) fn miscellaneous_group(code: MiscCode) -> u32 {
         MiscCode::Laser(_) => 21,
         MiscCode::Coolant => 22,
         MiscCode::Output { .. } => 23,
+        MiscCode::Input => 24,
     }
 }

@@ -29,6 +29,7 @@ pub(super) struct FixedSetup {
     pub(super) home: Option<ToolPlace>,
     pub(super) ignore_z: bool,
     pub(super) outputs: u8,
+    pub(super) inputs: u8,
 }
 
 /// Everything that a line may change.
@@ -65,6 +66,7 @@ impl Interpreter {
             home,
             ignore_z,
             outputs,
+            inputs,
         } = setup;
         let frames = WorkFrames {
             origins,
@@ -83,6 +85,7 @@ impl Interpreter {
                 home,
                 ignore_z,
                 outputs,
+                inputs,
             },
             state,
             scratch: String::new(),

@@ -1,10 +1,10 @@
 //! One block, carried out on a copy of the state.
-use super::block::Block;
+use super::block::{Block, ValueWord};
 use super::codes::{GeneralCode, MiscCode, OnceCode, ProgramEnd};
 use super::interpreter::{FixedSetup, GcodeState, NO_MOTION};
 use super::modal::{FeedMode, LaserMode, Modal, MotionMode, PathMode};
 use super::text::refusal;
-use crate::{Act, Element, OutputAct, PathFault, ToolPlace, ToolWork};
+use crate::{Act, Element, InputAct, InputChange, OutputAct, PathFault, ToolPlace, ToolWork};
 
 /// M62 to M65 of a block.
 #[derive(Clone, Copy)]
@@ -29,6 +29,8 @@ pub(super) struct LineRun<'b, 't> {
     pub(super) blend: bool,
     /// Change of an output.
     pub(super) output: Option<OutputCode<'t>>,
+    /// M66, as it was written.
+    pub(super) input: Option<&'t str>,
     pause: bool,
     end: Option<ProgramEnd>,
 }
@@ -45,6 +47,7 @@ impl<'b, 't> LineRun<'b, 't> {
             inverse_time: None,
             blend: false,
             output: None,
+            input: None,
             pause: false,
             end: None,
         }
@@ -55,7 +58,7 @@ impl<'b, 't> LineRun<'b, 't> {
         (self.state, self.elements, self.end)
     }
 
-    /// Carries the block out: modes, then F, S, T, laser, outputs, dwell, coordinate systems, motion, and the end.
+    /// Carries the block out: modes, then F, S, T, laser, outputs, inputs, dwell, coordinate systems, motion, and the end.
     pub(super) fn block(&mut self) -> Result<(), PathFault> {
         self.state.begun = true;
         self.modes();
@@ -65,6 +68,7 @@ impl<'b, 't> LineRun<'b, 't> {
         self.tool()?;
         self.tolerance()?;
         self.output()?;
+        self.input()?;
         let axes = self.axis_words()?;
         match self.once {
             Some(OnceCode::Dwell) => self.dwell()?,
@@ -158,6 +162,7 @@ impl<'b, 't> LineRun<'b, 't> {
                 MiscCode::End(end) => self.end = Some(end),
                 MiscCode::Laser(laser) => modal.laser = laser,
                 MiscCode::Coolant => {}
+                MiscCode::Input => self.input = Some(word.text),
                 MiscCode::Output { on, with_motion } => {
                     self.output = Some(OutputCode {
                         on,
@@ -249,17 +254,7 @@ impl<'b, 't> LineRun<'b, 't> {
             let reason = "an output needs P with its number";
             return Err(self.block.refuse(text, reason));
         };
-        let numbers = 0..self.fixed.outputs;
-        let Some(index) = numbers.into_iter().find(|n| f64::from(*n) == word.value) else {
-            let reason = match self.fixed.outputs {
-                0 => "there are no outputs: [[io.outputs]] of the scene names them".into(),
-                outputs => format!(
-                    "there is no such output; they have the numbers 0 to {}",
-                    outputs - 1
-                ),
-            };
-            return Err(self.block.refuse(word.text, &reason));
-        };
+        let index = self.pin(word, self.fixed.outputs, "output")?;
         if with_motion {
             self.state.waiting = Some(self.block.number);
         }
@@ -274,6 +269,68 @@ impl<'b, 't> LineRun<'b, 't> {
             }),
         );
         Ok(())
+    }
+
+    /// M66.
+    fn input(&mut self) -> Result<(), PathFault> {
+        let Some(text) = self.input else {
+            return Ok(());
+        };
+        let [number, change, timeout] = [b'P', b'L', b'Q'].map(|letter| self.block.value(letter));
+        let missing = |reason| self.block.refuse(text, reason);
+        let number = number.ok_or_else(|| missing("a wait needs P with the number of an input"))?;
+        let change = change.ok_or_else(|| {
+            missing(
+                "a wait needs L: L1 until the input goes on, L2 off, L3 until it is on, L4 is off",
+            )
+        })?;
+        let until = match change.value {
+            1.0 => InputChange::Rise,
+            2.0 => InputChange::Fall,
+            3.0 => InputChange::High,
+            4.0 => InputChange::Low,
+            0.0 => {
+                let reason = "no parameter takes the level of an input; L1 to L4 wait for one";
+                return Err(self.block.refuse(change.text, reason));
+            }
+            _ => {
+                let reason = "the wait ends with L1, the input goes on, L2, off, L3, it is on, or L4, is off";
+                return Err(self.block.refuse(change.text, reason));
+            }
+        };
+        let timeout =
+            timeout.ok_or_else(|| missing("a wait needs Q with the seconds that it may last"))?;
+        if timeout.value <= 0.0 {
+            let reason = "the seconds of a wait are positive";
+            return Err(self.block.refuse(timeout.text, reason));
+        }
+        let index = self.pin(number, self.fixed.inputs, "input")?;
+        // The tool is off while the machine waits: a laser that stands burns.
+        self.push(
+            None,
+            Act::Input(InputAct {
+                index,
+                until,
+                timeout_s: timeout.value,
+            }),
+        );
+        Ok(())
+    }
+
+    /// Number of a spare output or input in a word; `count` is how many there are, `kind` which.
+    fn pin(&self, word: ValueWord<'_>, count: u8, kind: &str) -> Result<u8, PathFault> {
+        (0..count)
+            .find(|number| f64::from(*number) == word.value)
+            .ok_or_else(|| {
+                let reason = match count {
+                    0 => format!("there are no {kind}s: [[io.{kind}s]] of the scene names them"),
+                    _ => format!(
+                        "there is no such {kind}; they have the numbers 0 to {}",
+                        count - 1
+                    ),
+                };
+                self.block.refuse(word.text, &reason)
+            })
     }
 
     fn dwell(&mut self) -> Result<(), PathFault> {

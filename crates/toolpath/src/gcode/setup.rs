@@ -19,10 +19,12 @@ pub struct GcodeSetup {
     pub ignore_z: bool,
     /// Outputs of the machine, of the numbers from 0 on; at most 8.
     pub outputs: u8,
+    /// Inputs of the machine, of the numbers from 0 on; at most 8.
+    pub inputs: u8,
 }
 
 impl Default for GcodeSetup {
-    /// All zero points at the origin of the fixed frame, S1000 for full power, no G28, no Z, no outputs.
+    /// All zero points at the origin of the fixed frame, S1000 for full power, no G28, no Z, no outputs and inputs.
     fn default() -> Self {
         Self {
             start: ToolPlace::default(),
@@ -31,6 +33,7 @@ impl Default for GcodeSetup {
             home: None,
             ignore_z: false,
             outputs: 0,
+            inputs: 0,
         }
     }
 }

@@ -37,8 +37,17 @@ impl LineRun<'_, '_> {
             self.block.value(b'K'),
             "the centre of an arc lies in the plane: I and J alone",
         )?;
-        if self.once != Some(OnceCode::SetOrigin) {
-            refuse(self.block.value(b'L'), "the word needs G10 in its line")?;
+        if self.once != Some(OnceCode::SetOrigin) && self.input.is_none() {
+            refuse(
+                self.block.value(b'L'),
+                "the word needs G10 or M66 in its line",
+            )?;
+        }
+        if self.input.is_none() {
+            refuse(
+                self.block.value(b'Q'),
+                "the word needs M66 in its line; with G64 give P alone",
+            )?;
         }
         let dwell_or_origin = matches!(self.once, Some(OnceCode::Dwell | OnceCode::SetOrigin));
         // A dwell under a modal arc has P for itself, unless there is an arc in its line.
@@ -48,11 +57,12 @@ impl LineRun<'_, '_> {
             self.blend,
             arc_in_line,
             self.output.is_some(),
+            self.input.is_some(),
         ];
         match uses.map(u8::from).iter().sum() {
             0 => refuse(
                 self.block.value(b'P'),
-                "the word needs G2, G3, G4, G10, G64 or M62 to M65 in its line",
+                "the word needs G2, G3, G4, G10, G64, M62 to M65 or M66 in its line",
             )?,
             1 => {}
             _ => refuse(

@@ -3,7 +3,7 @@ use crate::common::observable;
 use trirrr_toolpath::gcode::{GcodeSetup, Interpreter};
 use trirrr_toolpath::{Act, ToolCurve, ToolPlace};
 
-const LINES: [&str; 32] = [
+const LINES: [&str; 33] = [
     "G21 G90 G94",
     "N10 G0 X10.5 Y-3.25 A12",
     "G1 X1.000 Y2.000 F1500 S300",
@@ -31,6 +31,7 @@ const LINES: [&str; 32] = [
     "G90.1 G2 X1 Y1 I0.5 J0.5",
     "G28 X0 Y0",
     "M0",
+    "M66 P0 L3 Q1",
     "N3 T0*57",
     "/G1 X5",
     "%",
@@ -96,6 +97,10 @@ fn check(act: Act, at: ToolPlace) -> ToolPlace {
             assert!(output.index < 8);
             return at;
         }
+        Act::Input(wait) => {
+            assert!(wait.index < 8 && wait.timeout_s > 0.0 && wait.timeout_s.is_finite());
+            return at;
+        }
     };
     assert!(finite(motion.to));
     assert!(
@@ -128,6 +133,7 @@ fn run(count: u32, seed: u64) -> u32 {
     let mut random = Random(seed);
     let setup = GcodeSetup {
         outputs: 8,
+        inputs: 8,
         home: Some(ToolPlace::default()),
         ..GcodeSetup::default()
     };

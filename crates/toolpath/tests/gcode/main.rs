@@ -5,6 +5,7 @@ mod coordinates;
 mod damaged;
 mod feeds;
 mod files;
+mod inputs;
 mod modes;
 mod outputs;
 mod programs;

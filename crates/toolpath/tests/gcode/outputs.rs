@@ -58,7 +58,6 @@ fn what_names_no_output_is_refused() {
         ("M65 P-1", "P-1", "0 to 2"),
         ("M62 P0.5", "P0.5", "0 to 2"),
         ("M62 P0 M63", "M63", "modal group"),
-        ("M66 P0 L3", "M66", "M0"),
         ("M67 E0 Q1", "M67", "two levels"),
     ] {
         let fault = refused_with(setup(), line);
