@@ -339,3 +339,40 @@ pub(crate) fn compare(expected: &Path, found: &Path, tolerance: f64) -> Result<(
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::packages::choose_host;
+    use crate::repository::{cargo, text};
+    use std::collections::BTreeSet;
+
+    /// Packages that are compiled, each with the features that are asked of it.
+    fn compiled(choose: impl FnOnce(&mut Command), edges: &str) -> BTreeSet<String> {
+        let mut tree = cargo();
+        tree.args(["tree", "--prefix", "none", "--no-dedupe"])
+            .args(["--format", "{p} {f}", "--edges", edges]);
+        choose(&mut tree);
+        let lines = text(&mut tree).expect("cargo tree");
+        lines.lines().map(str::to_owned).collect()
+    }
+
+    /// The package is compiled beside what the tests have compiled: libraries with other features would be compiled once more.
+    #[test]
+    fn the_package_asks_of_libraries_what_the_tests_do() {
+        let all = compiled(choose_host, "normal,build,dev");
+        let choose = |tree: &mut Command| {
+            tree.args(["--package", "trirrr-python", "--features", "shared"]);
+        };
+        let package = compiled(choose, "normal,build");
+        let others: Vec<_> = package
+            .difference(&all)
+            .filter(|line| !line.starts_with("trirrr-python "))
+            .collect();
+        assert!(
+            others.is_empty(),
+            "add to the feature `shared` of clients/python/native, or take from it, what makes these different: {others:#?}"
+        );
+        assert!(package.len() > 50, "{package:#?}");
+    }
+}
