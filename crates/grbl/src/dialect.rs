@@ -147,10 +147,15 @@ impl Dialect {
 
     /// Says that the machine has refused a motion that it had taken, and all behind it.
     pub fn refused(&mut self, reason: &str) {
+        self.lock(reason, fault::ALARM_TRAVEL);
+    }
+
+    /// Drops the program for a reason, with an alarm: everything waits for `$X`.
+    fn lock(&mut self, reason: &str, alarm: u8) {
         self.message(reason);
-        self.alarm(fault::ALARM_TRAVEL);
-        // The line of a motion with the probe is answered at its end.
-        if matches!(self.wait, Some(Wait::Probe { .. })) {
+        self.alarm(alarm);
+        // The line of a motion with the probe, or of a wait for an input, is answered at its end.
+        if matches!(self.wait, Some(Wait::Probe { .. } | Wait::Level(..))) {
             self.error(fault::LOCKED);
         }
         self.drop_motions();
@@ -268,7 +273,7 @@ impl Dialect {
         next.is_none()
     }
 
-    /// Ends a wait for an input that has not come: the program does not go on, and everything waits for `$X`.
+    /// Ends a wait for an input that has not come.
     fn waited_in_vain(&mut self, act: &InputAct) {
         let wanted = match act.until {
             InputChange::Rise => "has not gone on",
@@ -277,14 +282,8 @@ impl Dialect {
             InputChange::Low => "was not off",
         };
         let (line, index, seconds) = (self.line, act.index, act.timeout_s);
-        self.message(&format!(
-            "line {line}: input {index} {wanted} within {seconds} s"
-        ));
-        self.alarm(fault::ALARM_NO_CONTACT);
-        self.error(fault::LOCKED);
-        self.drop_motions();
-        self.is_locked = true;
-        self.wait = Some(Wait::Stand);
+        let reason = format!("line {line}: input {index} {wanted} within {seconds} s");
+        self.lock(&reason, fault::ALARM_NO_CONTACT);
     }
 
     /// Answers `$X` and `$H` once the machine is ready, or cannot be.

@@ -117,26 +117,20 @@ impl Dialect {
                 let element = self.overridden(element, motion);
                 self.acts.push(MachineAct::Motion(element));
             }
-            Act::Dwell { seconds } => {
-                self.flush();
-                self.wait = Some(Wait::Dwell(seconds));
-            }
+            Act::Dwell { seconds } => self.stand(Wait::Dwell(seconds)),
             // Which move begins with the next motion is known at rest alone: the machine plans the moves.
-            Act::Output(act) => {
-                self.flush();
-                self.wait = Some(Wait::Output(act));
-            }
-            Act::Input(act) => {
-                self.flush();
-                self.wait = Some(Wait::Input(act));
-            }
-            Act::Pause => {
-                self.flush();
-                self.wait = Some(Wait::Pause);
-            }
+            Act::Output(act) => self.stand(Wait::Output(act)),
+            Act::Input(act) => self.stand(Wait::Input(act)),
+            Act::Pause => self.stand(Wait::Pause),
         }
         self.waiting.pop_front();
         true
+    }
+
+    /// Lets the machine come to rest at the end of what it has, for `wait`.
+    fn stand(&mut self, wait: Wait) {
+        self.flush();
+        self.wait = Some(wait);
     }
 
     /// The element with the overrides of rapids and of the power as they are now.
