@@ -1,5 +1,6 @@
 //! `trirrr calibrate` and `trirrr identify`: results, files and refusals.
 
+use crate::common::{json, trirrr};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,16 +10,6 @@ use tempfile::TempDir;
 fn repository(file: &str) -> String {
     let path: PathBuf = Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file);
     path.display().to_string()
-}
-
-fn trirrr(folder: &TempDir, arguments: &[&str]) -> Output {
-    crate::common::command(folder, arguments).output().unwrap()
-}
-
-fn json(output: &Output) -> Value {
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{said}");
-    serde_json::from_slice(&output.stdout).unwrap()
 }
 
 fn refused(output: &Output) -> String {

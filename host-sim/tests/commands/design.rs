@@ -1,26 +1,12 @@
 //! `trirrr design`: what its report says, against what other commands say.
 
-use serde_json::Value;
+use crate::common::{json, trirrr};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::Output;
 use tempfile::TempDir;
 
 fn repository(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file)
-}
-
-fn trirrr(folder: &TempDir, arguments: &[&str]) -> Output {
-    crate::common::command(folder, arguments).output().unwrap()
-}
-
-fn json(output: &Output) -> Value {
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    serde_json::from_slice(&output.stdout).unwrap()
 }
 
 fn scene(name: &str) -> String {

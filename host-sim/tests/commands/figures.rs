@@ -1,5 +1,6 @@
 //! Figures, pictures and the tables of the documents, against what the program writes.
 
+use crate::common::trirrr;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -11,10 +12,6 @@ use trirrr_scene::record::tick_columns;
 
 fn repository(file: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(file)
-}
-
-fn trirrr(folder: &TempDir, arguments: &[&str]) -> Output {
-    crate::common::command(folder, arguments).output().unwrap()
 }
 
 fn scene(name: &str) -> String {

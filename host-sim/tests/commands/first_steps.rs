@@ -1,12 +1,9 @@
 //! First steps far from the repository: the scenes that are built in.
 
+use crate::common::trirrr;
 use std::fs;
 use std::process::Output;
 use tempfile::TempDir;
-
-fn trirrr(folder: &TempDir, arguments: &[&str]) -> Output {
-    crate::common::command(folder, arguments).output().unwrap()
-}
 
 fn error(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()

@@ -1,5 +1,6 @@
 //! `trirrr design --vary`: the machine that does a job best, against loops over `trirrr run`.
 
+use crate::common::json;
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -18,15 +19,6 @@ fn trirrr(folder: &TempDir, threads: &str, arguments: &[&str]) -> Output {
         .env("RAYON_NUM_THREADS", threads)
         .output()
         .unwrap()
-}
-
-fn json(output: &Output) -> Value {
-    assert!(
-        output.status.success(),
-        "{}",
-        String::from_utf8_lossy(&output.stderr)
-    );
-    serde_json::from_slice(&output.stdout).unwrap()
 }
 
 fn refusal(output: &Output) -> String {
