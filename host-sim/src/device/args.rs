@@ -29,7 +29,7 @@ pub struct DeviceArgs {
     /// Number type to compute in [default: the scene's]
     #[arg(long, value_parser = number_type())]
     pub scalar: Option<NumberType>,
-    /// The machine's seconds per second of real time: 10 for ten times as fast
+    /// The machine's seconds per second of real time: 10 for ten times as fast. The scene's host timeout stays in real time
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = factor)]
     pub speed: f64,
     /// In a scene with homing, how far the motors are from where the machine counts from when it is

@@ -37,7 +37,9 @@ const LOOK: Duration = Duration::from_micros(500);
 /// # Errors
 /// Refused: the scene, or its number type. Failed: the address cannot be listened at.
 pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), CliError> {
-    let scene = args.set.scene_to_move(&args.scene)?;
+    let mut scene = args.set.scene_to_move(&args.scene)?;
+    // Clients repeat a request in real time, however fast the machine plays.
+    scene.service.silence_timeout_s *= args.speed;
     let scalar = args.scalar.unwrap_or(scene.number);
     let inputs = PressedInputs::new(&scene, &args.press, args.touch, args.keys)?;
     let doors = args.listen.open()?;
