@@ -1,17 +1,20 @@
 //! `cargo xtask bench`: executes the flashed images of the STM32F405 and of the STM32G474 with a model of the registers that they use, and
 //! checks their pins.
 //!
-//! The bench is a workspace of its own, for it needs a C library: Unicorn, which takes cmake and libclang to build.
+//! The bench is built with a feature that brings its CPU: Unicorn, a C library, which takes cmake and libclang to build.
 
 use crate::boot;
 use crate::image::Image;
+use crate::packages::choose_host;
+use crate::parallel;
 use crate::repository::{self, SceneFile, cargo, target_directory};
 use crate::symbols;
 use anyhow::{Context, Result, ensure};
 use clap::Args;
 use std::env;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::sync::Mutex;
 use trirrr_scene::{DriveKind, Scene};
 
 /// Board of the STM32G474 whose pins the bench knows.
@@ -87,9 +90,11 @@ pub(crate) fn run(arguments: &BenchArgs) -> Result<()> {
         "--vcd: one scene at a time, for there is one file"
     );
     let bench = build()?;
-    for scene in &scenes {
-        check(arguments, &bench, scene).with_context(|| scene.name.clone())?;
-    }
+    // One image runs on one processor.
+    let printed = Mutex::new(());
+    parallel::map(parallel::workers(), &scenes, |scene| {
+        check(arguments, &bench, scene, &printed).with_context(|| scene.name.clone())
+    })?;
     if arguments.scenes.is_empty() && arguments.case.is_empty() {
         for g474 in [false, true] {
             let arguments = BenchArgs {
@@ -105,25 +110,35 @@ pub(crate) fn run(arguments: &BenchArgs) -> Result<()> {
     Ok(())
 }
 
+/// Adds to `cargo` the choice of the bench with its CPU, beside every package that is for a host: it uses the libraries that they
+/// have compiled.
+pub(crate) fn choose_bench(cargo: &mut Command) {
+    choose_host(cargo);
+    cargo
+        .args(["--features", "trirrr-mcu-bench/emulator"])
+        .args(["--bin", "trirrr-mcu-bench"]);
+}
+
 /// Builds the bench; its program.
 fn build() -> Result<PathBuf> {
-    let build = target_directory().join("mcu-bench");
-    let status = cargo()
-        .args(["build", "--quiet", "--release", "--locked"])
-        .args(["--manifest-path", "tests/mcu-bench/Cargo.toml"])
-        .arg("--target-dir")
-        .arg(&build)
-        .status()
-        .context("cargo cannot be run")?;
+    let mut cargo = cargo();
+    cargo.args(["build", "--quiet"]);
+    choose_bench(&mut cargo);
+    let status = cargo.status().context("cargo cannot be run")?;
     ensure!(
         status.success(),
         "the bench does not build; besides Rust it needs the Debian packages cmake and libclang-dev"
     );
-    Ok(build.join("release/trirrr-mcu-bench"))
+    Ok(target_directory().join("debug/trirrr-mcu-bench"))
 }
 
 /// Runs the cases on the images of a scene.
-fn check(arguments: &BenchArgs, bench: &Path, scene: &SceneFile) -> Result<()> {
+fn check(
+    arguments: &BenchArgs,
+    bench: &Path,
+    scene: &SceneFile,
+    printed: &Mutex<()>,
+) -> Result<()> {
     let board = Scene::read(&scene.path)?.board;
     let is_for_g474 = arguments.g474 || board.as_deref() == Some(G474_BOARD);
     let image = match is_for_g474 {
@@ -174,8 +189,14 @@ fn check(arguments: &BenchArgs, bench: &Path, scene: &SceneFile) -> Result<()> {
     if let Some(file) = &arguments.vcd {
         command.arg("--vcd").arg(env::current_dir()?.join(file));
     }
-    let status = command.status().context("the bench cannot be run")?;
-    ensure!(status.success(), "the bench has failed");
+    let output = command
+        .stderr(Stdio::inherit())
+        .output()
+        .context("the bench cannot be run")?;
+    // Tables of scenes that run at the same time stand one below the other.
+    let _turn = printed.lock().expect("no worker panics");
+    print!("{}", String::from_utf8_lossy(&output.stdout));
+    ensure!(output.status.success(), "the bench has failed");
     Ok(())
 }
 

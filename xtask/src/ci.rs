@@ -1,5 +1,6 @@
 //! `cargo xtask ci`: everything that CI checks, in order, up to the first failure.
 
+use crate::bench::choose_bench;
 use crate::boards::{FIRMWARE_TARGET, G474_SCENE, RP2040_SCENE};
 use crate::cores::CORES;
 use crate::image::{PROFILE, RUN_BEGAN};
@@ -13,13 +14,8 @@ use std::path::Path;
 use std::process::Command;
 use std::time::SystemTime;
 
-/// Targets that the libraries without `std` have to compile for although nothing runs there: with and without
-/// an FPU, ARM and not.
-const BARE_TARGETS: [&str; 3] = [
-    "thumbv7em-none-eabihf",
-    "thumbv6m-none-eabi",
-    "riscv32imc-unknown-none-elf",
-];
+/// Targets without an FPU, ARM and not, that the libraries without `std` have to compile for. Images compile them for one with an FPU.
+const BARE_TARGETS: [&str; 2] = ["thumbv6m-none-eabi", "riscv32imc-unknown-none-elf"];
 
 /// Oldest toolchain that the published packages compile with: `rust-version` of the workspace.
 const OLDEST_TOOLCHAIN: &str = env!("CARGO_PKG_RUST_VERSION");
@@ -27,8 +23,9 @@ const OLDEST_TOOLCHAIN: &str = env!("CARGO_PKG_RUST_VERSION");
 /// Examples that end only with a board at the other end of a port.
 const EXAMPLES_WITH_BOARD: [&str; 1] = ["stream_to_board"];
 
-/// Programs that install and run the Python package, senders of G-code and the page, and what they are asked.
-const INSTALLED_NEED: [(&str, &[&str]); 4] = [
+/// Programs that build the bench, and that install and run the Python package, senders of G-code and the page, and what they are asked.
+const INSTALLED_NEED: [(&str, &[&str]); 5] = [
+    ("cmake", &["--version"]),
     ("chromium", &["--version"]),
     ("python3", &["-c", "import tkinter, ensurepip, tomllib"]),
     ("node", &["--version"]),
@@ -111,9 +108,9 @@ fn stages() -> Result<Vec<Stage>> {
     stages.push(Stage::Beside([tests, images]));
     let [client, senders, page, board, host @ ..] = programs()?;
     stages.extend(host.map(Stage::from));
-    stages.push(Stage::Beside([vec![client], vec![page]]));
-    // Both wait for clocks most of the time; the emulator's passes with instructions.
-    stages.push(Stage::Beside([vec![board], vec![senders, docs]]));
+    stages.push(Stage::Beside([vec![client, docs], vec![page, senders]]));
+    // Time on emulated boards passes with instructions.
+    stages.push(Stage::Beside([benches()?.into(), vec![board]]));
     Ok(stages)
 }
 
@@ -240,14 +237,37 @@ const MEASURED: [&str; 2] = [
 /// Cores that CI measures: those of the boards, with an FPU and without. Nightly measures all.
 const CORES_MEASURED: [&str; 2] = ["m4f", "m0"];
 
-/// Scenes whose jobs CI plays on emulated boards, one with a simulated plant. `chained` is played over a bad line. Nightly plays all,
+/// Scenes whose jobs CI plays on emulated boards, one with a simulated plant. Nightly plays all, spoils the line,
 /// burns a raster image and injects failures.
-const EMULATED: [&str; 3] = [
+const EMULATED: [&str; 2] = [
     "pick-home",
     // Amplifiers and encoders, under the board's own loops.
     "plant-thesis",
-    "thesis",
 ];
+
+/// Lints of the bench, and what CI looks at on it: the pins of an engraver in its job and in every failure, frames to drives on a bus, and a
+/// line that damages every fifth frame. Nightly looks at all.
+fn benches() -> Result<[Step; 3]> {
+    let mut lints = Step::cargo("lints of the bench", &["clippy", "--quiet"]);
+    choose_bench(&mut lints.command);
+    lints.command.args(["--", "-Dwarnings"]);
+    let bus = [
+        "bench",
+        "plant-odrive",
+        "--case",
+        "can",
+        "--case",
+        "bus-off",
+    ];
+    Ok([
+        lints,
+        Step::chore(
+            "pins and line of flashed images",
+            &["bench", "inputs/guarded", "chained"],
+        )?,
+        Step::chore("the bus of a flashed image", &bus)?,
+    ])
+}
 
 /// Figures of images against those that are checked in.
 fn figures() -> Result<[Step; 4]> {
@@ -277,8 +297,7 @@ fn programs() -> Result<[Step; 7]> {
     };
     let run = ["run", "scenes/thesis.toml", "--fast"];
     let eval = ["eval", "--scalar", "f32", "tests/reference/extreme.csv"];
-    let parts = ["--part", "jobs", "--part", "line"];
-    let board = [["emulate"].as_slice(), &EMULATED, &parts].concat();
+    let board = [["emulate"].as_slice(), &EMULATED].concat();
     Ok([
         Step::chore("the Python package", &["client"])?,
         Step::chore("senders of G-code", &["senders"])?,

@@ -375,4 +375,25 @@ mod tests {
         );
         assert!(package.len() > 50, "{package:#?}");
     }
+
+    /// The bench is compiled beside the tests, too: without its emulator nothing else is compiled once more.
+    #[test]
+    fn the_bench_asks_of_libraries_what_the_tests_do() {
+        let edges = "normal,build,dev";
+        let all = compiled(choose_host, edges);
+        let choose = |tree: &mut Command| {
+            choose_host(tree);
+            tree.args(["--features", "trirrr-mcu-bench/emulator"]);
+        };
+        let with_emulator = compiled(choose, edges);
+        let others: Vec<_> = all
+            .difference(&with_emulator)
+            .filter(|line| !line.starts_with("trirrr-mcu-bench "))
+            .collect();
+        assert!(
+            others.is_empty(),
+            "tests/mcu-bench/Cargo.toml: ask for these with the features that the emulator asks for: {others:#?}"
+        );
+        assert!(with_emulator.len() > all.len(), "there is no emulator");
+    }
 }

@@ -1,6 +1,6 @@
 //! `cargo xtask nightly`: checks that take long and rarely fail, up to the first failure.
 
-use crate::bench::UPDATED;
+use crate::bench::{UPDATED, choose_bench};
 use crate::boards::FIRMWARE_TARGET;
 use crate::ci::with_oldest_toolchain;
 use crate::image::PROFILE;
@@ -60,6 +60,13 @@ fn lint_image((package, scene): (&str, &str)) -> Step {
         .args(["-p", package, "--target", FIRMWARE_TARGET])
         .args(["--", "-Dwarnings"])
         .env("SCENE", scene);
+    step
+}
+
+/// Tests of the bench's own peripherals.
+fn model_of_registers() -> Step {
+    let mut step = Step::cargo("the model of the registers", &["test", "--quiet"]);
+    choose_bench(&mut step.command);
     step
 }
 
@@ -212,17 +219,7 @@ fn steps() -> Result<Vec<Step>> {
             &["emulate", "--fixed"],
         )?,
         Step::chore("the image for the STM32G474", &["g474"])?,
-        Step::cargo(
-            "the model of the registers",
-            &[
-                "test",
-                "--release",
-                "--manifest-path",
-                "tests/mcu-bench/Cargo.toml",
-                "--target-dir",
-                "target/mcu-bench",
-            ],
-        ),
+        model_of_registers(),
         Step::chore("pins of flashed images", &["bench"])?,
         Step::chore("updates of the STM32G474", &["bench", "--g474", UPDATED[0]])?,
         Step::chore(

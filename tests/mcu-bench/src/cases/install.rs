@@ -67,7 +67,7 @@ pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
     );
 
     let mut host = installer(&mut board, &first)?;
-    let ended = host.to_end(&mut board)?;
+    let ended = host.run_to_end(&mut board)?;
     row("first scene: result", described(ended), "Ok(())");
     row("first scene: told afterwards", host.scene(), "first");
     let erased = board.chip().flash.erasures;
@@ -95,7 +95,7 @@ pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
     board.reset(ResetCause::Pin)?;
     board.run(board.now() + 100 * MS)?;
     let mut host = installer(&mut board, &second)?;
-    let ended = host.to_end(&mut board)?;
+    let ended = host.run_to_end(&mut board)?;
     row("second scene: result", described(ended), "Ok(())");
     row("second scene: told afterwards", host.scene(), "second");
     board.reset(ResetCause::Power)?;
@@ -124,7 +124,7 @@ fn refused(board: &mut Board, subject: &Subject) -> Result<String> {
         tick_rate_hz: subject.scene.tick_rate_hz / 2.0,
         ..scene(subject, "slow")
     };
-    let ended = installer(board, &other)?.to_end(board)?;
+    let ended = installer(board, &other)?.run_to_end(board)?;
     let mut lacks = SceneNeeds::default();
     lacks.insert(SceneNeed::TickRate);
     let named: Ended = Err(UpdateFailure::Lacks(lacks));

@@ -127,14 +127,9 @@ impl Subject {
         self.switch_on_with(&self.image, self.kind.crystal(), OSCILLATOR_HZ[0])
     }
 
-    fn switch_on_with(
-        &self,
-        image: &PathBuf,
-        crystal: Crystal,
-        oscillator_hz: u64,
-    ) -> Result<Board> {
+    fn switch_on_with(&self, image: &Path, crystal: Crystal, oscillator_hz: u64) -> Result<Board> {
         let boot = self.update.as_ref().map(|[boot, _]| boot.as_path());
-        let images: Vec<&Path> = boot.into_iter().chain([image.as_path()]).collect();
+        let images: Vec<&Path> = boot.into_iter().chain([image]).collect();
         let mut board = Board::switch_on(self.kind, &images, crystal, oscillator_hz)?;
         if self.has(Needs::Bus) {
             board.chip().bus = Some(crate::bus::of_scene(&self.scene)?);

@@ -71,7 +71,7 @@ impl Updater {
         Ok(())
     }
 
-    pub(super) fn to_end(&mut self, board: &mut Board) -> Result<Ended> {
+    pub(super) fn run_to_end(&mut self, board: &mut Board) -> Result<Ended> {
         self.run(board, |_| false)?;
         self.ended.context("the update has no end")
     }
@@ -144,7 +144,7 @@ fn stays(subject: &Subject, other: &[u8]) -> Result<(Vec<Row>, u32)> {
     host.run(&mut board, |host| host.client.is_restarting())?;
     let received = board.now();
     let operations_before = board.chip().flash.operations();
-    let ended = host.to_end(&mut board)?;
+    let ended = host.run_to_end(&mut board)?;
     let installed = board.now() - received;
     let operations = board.chip().flash.operations() - operations_before;
     let program = subject.kind.layout().program;
@@ -241,7 +241,7 @@ fn goes_back(
     }
     board.hung = None;
     host.line.drop_all(&mut board);
-    let ended = host.to_end(&mut board)?;
+    let ended = host.run_to_end(&mut board)?;
     Ok([
         fact(
             CASE,
@@ -265,7 +265,7 @@ fn is_damaged(subject: &Subject, other: &[u8]) -> Result<Row> {
     let mut host = Updater::new(image(subject, other)?);
     host.run(&mut board, |host| host.client.is_restarting())?;
     board.damage(subject.kind.layout().new.start + 4096)?;
-    let ended = host.to_end(&mut board)?;
+    let ended = host.run_to_end(&mut board)?;
     let text = format!("{}, {}", described(ended), host.scene());
     let bound = format!("Err(Reverted), {}", subject.scene.name);
     Ok(fact(
@@ -296,7 +296,7 @@ fn is_for_another_chip(subject: &Subject, other: &[u8]) -> Result<Row> {
     // Behind mark, version, commit and board.
     foreign[label + 80..][..chip.len()].copy_from_slice(chip);
     let mut host = Updater::new(image(subject, &foreign)?);
-    let ended = host.to_end(&mut board)?;
+    let ended = host.run_to_end(&mut board)?;
     let refused: Ended = Err(UpdateFailure::Refused(Refusal::Update(UpdateRefusal::Chip)));
     let text = described(ended);
     Ok(fact(
@@ -355,7 +355,7 @@ fn loses_power(subject: &Subject, other: &[u8], operations: u32) -> Result<[Row;
         lost = lost.max(board.chip().flash.lost().len());
     }
     host.line.drop_all(&mut board);
-    let ended = host.to_end(&mut board)?;
+    let ended = host.run_to_end(&mut board)?;
     let row = |what: &str, measured: String, bound: &str| {
         fact(
             CASE,
@@ -399,7 +399,7 @@ fn is_for_another_board(subject: &Subject, other: &[u8]) -> Result<[Row; 2]> {
     // Behind mark, version and commit.
     foreign[label + 48] ^= 0x20;
     let mut host = Updater::new(image(subject, &foreign)?);
-    let ended = host.to_end(&mut board)?;
+    let ended = host.run_to_end(&mut board)?;
     let refused: Ended = Err(UpdateFailure::Refused(Refusal::Update(
         UpdateRefusal::Board,
     )));

@@ -33,6 +33,9 @@ const HELD: [(u32, u32); 4] = [
 /// DBGMCU_IDCODE.
 const IDENTITY: u32 = 0xE004_2000;
 
+/// Peripheral that has one place, at an offset.
+type PlaceAt = fn(u32) -> Place;
+
 /// Peripheral, and the offset in it.
 pub(super) enum Place {
     Clock(u32),
@@ -103,7 +106,7 @@ pub(super) fn place(kind: Kind, address: u32) -> Place {
     if let Some(offset) = within(0x4002_6000, 0x800) {
         return Place::Stream(offset);
     }
-    let others: [(u32, fn(u32) -> Place); 4] = [
+    let others: [(u32, PlaceAt); 4] = [
         (0x4000_6400, Place::Can),
         (0x4001_4800, Place::Capture),
         (0x4000_7000, Place::Supply),

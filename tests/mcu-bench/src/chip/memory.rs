@@ -1,4 +1,5 @@
 //! RAM, which the processor and the DMA share.
+#![allow(unsafe_code)]
 
 use std::cell::UnsafeCell;
 use std::ffi::c_void;

@@ -106,7 +106,8 @@ impl Serial {
 
     fn receive(&mut self, now: Time, path: &mut impl BytePath) {
         self.hand_over(path);
-        while let Some((_, byte)) = self.coming.pop_front_if(|(time, _)| *time <= now) {
+        while let Some(&(_, byte)) = self.coming.front().filter(|(time, _)| *time <= now) {
+            self.coming.pop_front();
             // A receiver that is off hears nothing.
             if !self.is_on(2) {
                 continue;

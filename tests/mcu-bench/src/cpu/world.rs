@@ -165,6 +165,7 @@ pub(super) fn watch_lost(
 }
 
 /// Maps memories and registers, and sets the hooks.
+#[allow(unsafe_code)]
 pub(super) fn set_up(uc: &mut Unicorn<'static, World>) -> Result<(), unicorn_engine::uc_error> {
     // Written by the hook below, and by no store that the controller does not take.
     uc.mem_map(FLASH, FLASH_BYTES, Prot::ALL)?;

@@ -313,7 +313,7 @@ impl CanController for BxCan {
                 let index = (place / 4) as usize;
                 let mailbox = &mut self.mailboxes[index];
                 mailbox.words[(place % 4) as usize] = value;
-                if place % 4 == 0 && value & REQUESTED != 0 && mailbox.order.is_none() {
+                if place.is_multiple_of(4) && value & REQUESTED != 0 && mailbox.order.is_none() {
                     mailbox.order = Some(self.orders);
                     self.orders += 1;
                     self.results &= !(0xF << (8 * index));
