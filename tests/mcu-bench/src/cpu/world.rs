@@ -110,8 +110,7 @@ pub(super) fn put_changed(uc: &mut Unicorn<'_, World>) {
     }
 }
 
-/// Takes a store of the program to the flash. The store itself follows: a word that ends up as another one is an error of the bench, unless
-/// the power goes or the cells are between two contents.
+/// Takes a store of the program to the flash, whose memory takes none by itself.
 fn store(uc: &mut Unicorn<'_, World>, address: u64, size: usize, value: u32) {
     let world = uc.get_data_mut();
     let at = (address - FLASH) as usize;
@@ -126,14 +125,9 @@ fn store(uc: &mut Unicorn<'_, World>, address: u64, size: usize, value: u32) {
         .store(address as u32, value, size, before, now, executes_at);
     match stored {
         Stored::Waits => {}
-        Stored::Taken {
-            content: (start, bytes),
-            time,
-        } => {
+        Stored::Taken { content, time } => {
             chip.now += time;
-            let at = (u64::from(start) - FLASH) as usize;
-            world.flash[at..at + bytes.len()].copy_from_slice(&bytes);
-            world.forget_blocks(at, bytes.len());
+            chip.changed.push(content);
         }
         Stored::Other(content) => chip.changed.push(content),
         Stored::Wrong => {
@@ -142,9 +136,10 @@ fn store(uc: &mut Unicorn<'_, World>, address: u64, size: usize, value: u32) {
         }
     }
     // A loss of power is looked at.
-    if world.chip.flash.loses_power {
-        world.chip.stop_at = world.chip.now;
+    if chip.flash.loses_power {
+        chip.stop_at = chip.now;
     }
+    put_changed(uc);
 }
 
 /// Lets the flash tell that the double word at `address` is lost, whenever the program reads it.
@@ -167,8 +162,8 @@ pub(super) fn watch_lost(
 /// Maps memories and registers, and sets the hooks.
 #[allow(unsafe_code)]
 pub(super) fn set_up(uc: &mut Unicorn<'static, World>) -> Result<(), unicorn_engine::uc_error> {
-    // Written by the hook below, and by no store that the controller does not take.
-    uc.mem_map(FLASH, FLASH_BYTES, Prot::ALL)?;
+    // A store to it is not permitted, which the hook below sees: one for all stores would slow down each access to the RAM, too.
+    uc.mem_map(FLASH, FLASH_BYTES, Prot::READ | Prot::EXEC)?;
     let ram = uc.get_data().chip.dma.memory.pointer();
     // SAFETY: the chip keeps its memory, which never moves, as long as the emulator has the chip.
     unsafe { uc.mem_map_ptr(RAM, RAM_BYTES, Prot::READ | Prot::WRITE, ram)? };
@@ -196,7 +191,7 @@ pub(super) fn set_up(uc: &mut Unicorn<'static, World>) -> Result<(), unicorn_eng
         )?;
     }
     uc.add_mem_hook(
-        HookType::MEM_WRITE,
+        HookType::MEM_WRITE_PROT,
         FLASH,
         FLASH + FLASH_BYTES - 1,
         |uc, _, address, size, value| {
