@@ -57,6 +57,9 @@ const USB_CASES: [&str; 9] = [
 /// Number type of the images: the bench talks to them in it.
 const SCALAR: &str = "f32";
 
+/// Feature of the bench that brings its CPU.
+pub(crate) const EMULATOR: &str = "trirrr-mcu-bench/emulator";
+
 #[derive(Args)]
 pub(crate) struct BenchArgs {
     /// Scenes, by name or file; without, a choice of those that are shipped
@@ -115,7 +118,7 @@ pub(crate) fn run(arguments: &BenchArgs) -> Result<()> {
 pub(crate) fn choose_bench(cargo: &mut Command) {
     choose_host(cargo);
     cargo
-        .args(["--features", "trirrr-mcu-bench/emulator"])
+        .args(["--features", EMULATOR])
         .args(["--bin", "trirrr-mcu-bench"]);
 }
 

@@ -343,9 +343,12 @@ pub(crate) fn compare(expected: &Path, found: &Path, tolerance: f64) -> Result<(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::bench::EMULATOR;
     use crate::packages::choose_host;
     use crate::repository::{cargo, text};
     use std::collections::BTreeSet;
+
+    const EDGES: &str = "normal,build,dev";
 
     /// Packages that are compiled, each with the features that are asked of it.
     fn compiled(choose: impl FnOnce(&mut Command), edges: &str) -> BTreeSet<String> {
@@ -357,21 +360,28 @@ mod tests {
         lines.lines().map(str::to_owned).collect()
     }
 
+    /// Fails if `some` has a package that `all` does not have with the same features, but for `own`.
+    fn assert_part(some: &BTreeSet<String>, all: &BTreeSet<String>, own: &str, advice: &str) {
+        let others: Vec<_> = some
+            .difference(all)
+            .filter(|line| !line.starts_with(own))
+            .collect();
+        assert!(others.is_empty(), "{advice}: {others:#?}");
+    }
+
     /// The package is compiled beside what the tests have compiled: libraries with other features would be compiled once more.
     #[test]
     fn the_package_asks_of_libraries_what_the_tests_do() {
-        let all = compiled(choose_host, "normal,build,dev");
+        let all = compiled(choose_host, EDGES);
         let choose = |tree: &mut Command| {
             tree.args(["--package", "trirrr-python", "--features", "shared"]);
         };
         let package = compiled(choose, "normal,build");
-        let others: Vec<_> = package
-            .difference(&all)
-            .filter(|line| !line.starts_with("trirrr-python "))
-            .collect();
-        assert!(
-            others.is_empty(),
-            "add to the feature `shared` of clients/python/native, or take from it, what makes these different: {others:#?}"
+        assert_part(
+            &package,
+            &all,
+            "trirrr-python ",
+            "add to the feature `shared` of clients/python/native, or take from it, what makes these different",
         );
         assert!(package.len() > 50, "{package:#?}");
     }
@@ -379,20 +389,17 @@ mod tests {
     /// The bench is compiled beside the tests, too: without its emulator nothing else is compiled once more.
     #[test]
     fn the_bench_asks_of_libraries_what_the_tests_do() {
-        let edges = "normal,build,dev";
-        let all = compiled(choose_host, edges);
+        let all = compiled(choose_host, EDGES);
         let choose = |tree: &mut Command| {
             choose_host(tree);
-            tree.args(["--features", "trirrr-mcu-bench/emulator"]);
+            tree.args(["--features", EMULATOR]);
         };
-        let with_emulator = compiled(choose, edges);
-        let others: Vec<_> = all
-            .difference(&with_emulator)
-            .filter(|line| !line.starts_with("trirrr-mcu-bench "))
-            .collect();
-        assert!(
-            others.is_empty(),
-            "tests/mcu-bench/Cargo.toml: ask for these with the features that the emulator asks for: {others:#?}"
+        let with_emulator = compiled(choose, EDGES);
+        assert_part(
+            &all,
+            &with_emulator,
+            "trirrr-mcu-bench ",
+            "tests/mcu-bench/Cargo.toml: ask for these with the features that the emulator asks for",
         );
         assert!(with_emulator.len() > all.len(), "there is no emulator");
     }

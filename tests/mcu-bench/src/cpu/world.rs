@@ -124,12 +124,11 @@ fn store(uc: &mut Unicorn<'_, World>, address: u64, size: usize, value: u32) {
         .flash
         .store(address as u32, value, size, before, now, executes_at);
     match stored {
-        Stored::Waits => {}
-        Stored::Taken { content, time } => {
+        Stored::Nothing => {}
+        Stored::Content { content, time } => {
             chip.now += time;
             chip.changed.push(content);
         }
-        Stored::Other(content) => chip.changed.push(content),
         Stored::Wrong => {
             let text = format!("store of {value:#010x} to the flash at {address:#010x}");
             chip.unknown.insert(text);

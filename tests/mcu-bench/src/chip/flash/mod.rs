@@ -86,12 +86,10 @@ pub(crate) enum FlashEffect {
 /// Consequence of a store for the board. The store itself follows, into the memory of the emulator.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Stored {
-    /// The rest of the unit is to come.
-    Waits,
-    /// The flash has this content, as it was stored, and the processor has stood for this time.
-    Taken { content: Content, time: Time },
-    /// The memory is to have this content instead.
-    Other(Content),
+    /// No content has changed: the rest of the unit is to come, or the cells take none.
+    Nothing,
+    /// The flash has this content from now on, and the processor has stood for this time.
+    Content { content: Content, time: Time },
     /// An error of the program.
     Wrong,
 }
@@ -217,11 +215,11 @@ impl FlashControl {
             is_erased: !is_torn && before == [0xFF; 8],
         };
         match self.registers.store(store, now) {
-            StoreEffect::Waits => Stored::Waits,
+            StoreEffect::Waits => Stored::Nothing,
             // Cells that are between two contents take none.
             StoreEffect::Refused {
                 was_programmed: true,
-            } if is_torn => Stored::Other((whole, before.to_vec())),
+            } if is_torn => Stored::Nothing,
             StoreEffect::Refused { .. } => Stored::Wrong,
             StoreEffect::Program {
                 address,
@@ -232,13 +230,16 @@ impl FlashControl {
                 self.units += 1;
                 let unit = &unit[..bytes];
                 if self.is_cut() {
-                    return Stored::Other((address, self.torn_unit(address, unit)));
+                    return Stored::Content {
+                        content: (address, self.torn_unit(address, unit)),
+                        time: 0,
+                    };
                 }
                 self.torn.remove(&whole);
                 self.lost.remove(&whole);
                 let is_as_stored = unit.ends_with(&word.to_le_bytes());
                 match is_as_stored {
-                    true => Stored::Taken {
+                    true => Stored::Content {
                         content: (address, unit.to_vec()),
                         time: self.registers.begin(address, time, now, executes_at),
                     },
