@@ -5,8 +5,8 @@
 
 use crate::dyad::Rrr;
 use crate::inverse::{LegMotion, Position, Rotation};
-use crate::machine::{BuildError, Geometry, Parameters};
-use crate::model::Model;
+use crate::machine::{BuildError, Geometry};
+use crate::model::{Model, OfKind};
 use crate::number::Number;
 use crate::setpoint::Setpoint;
 use crate::status::Status;
@@ -81,15 +81,16 @@ impl<N: Number> Motion<N> {
 }
 
 impl<N: Number, M: Model<N = N>> Tick<M> {
-    /// Checks `parameters` and builds the coefficients. Parts of the parameters that the model has
+    /// Checks the machine and builds the coefficients. Parts of its parameters that the model has
     /// no room for are left out: the scene has to choose a model that fits.
     ///
     /// # Errors
     /// The first quantity that is refused.
-    pub fn build(parameters: &Parameters) -> Result<Self, BuildError> {
+    pub fn build<'a>(machine: impl Into<OfKind<'a>>) -> Result<Self, BuildError> {
+        let machine = machine.into();
         Ok(Self {
-            geometry: Geometry::build(parameters)?,
-            model: M::build(parameters),
+            geometry: Geometry::build(machine.parameters)?,
+            model: M::build(machine),
         })
     }
 

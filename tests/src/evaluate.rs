@@ -2,7 +2,7 @@
 //! run time.
 
 use trirrr_core::machine::{Geometry, Parameters};
-use trirrr_core::model::{Model, ModelKind, ModelVisitor};
+use trirrr_core::model::{Model, ModelKind, ModelVisitor, OfKind};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::singularity::Distances;
@@ -17,14 +17,15 @@ pub fn evaluate<N: Number>(
     parameters: &Parameters,
     setpoint: &Setpoint<N>,
 ) -> Result<Motion<N>, Status> {
-    ModelKind::of(parameters, true).visit(Evaluate {
-        parameters,
+    let kind = ModelKind::of(parameters, true);
+    kind.visit(Evaluate {
+        machine: kind.with(parameters),
         setpoint,
     })
 }
 
 struct Evaluate<'a, N: Number> {
-    parameters: &'a Parameters,
+    machine: OfKind<'a>,
     setpoint: &'a Setpoint<N>,
 }
 
@@ -32,7 +33,7 @@ impl<N: Number> ModelVisitor<N> for Evaluate<'_, N> {
     type Output = Result<Motion<N>, Status>;
 
     fn visit<M: Model<N = N>>(self) -> Self::Output {
-        with::<M>(self.parameters, self.setpoint)
+        with::<M>(self.machine, self.setpoint)
     }
 }
 
@@ -56,11 +57,12 @@ pub fn distances<N: Number>(parameters: &Parameters, pose: &Pose<N>) -> ([f64; 3
 ///
 /// # Panics
 /// When the machine is refused.
-pub fn with<M: Model>(
-    parameters: &Parameters,
+pub fn with<'a, M: Model>(
+    machine: impl Into<OfKind<'a>>,
     setpoint: &Setpoint<M::N>,
 ) -> Result<Motion<M::N>, Status> {
-    Tick::<M>::build(parameters)
-        .unwrap_or_else(|error| panic!("{error}: {parameters:?}"))
+    let machine = machine.into();
+    Tick::<M>::build(machine)
+        .unwrap_or_else(|error| panic!("{error}: {machine:?}"))
         .evaluate(setpoint)
 }

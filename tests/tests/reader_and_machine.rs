@@ -3,14 +3,13 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use trirrr_client::local::{self, LocalService};
+use trirrr_client::local::{self, HostNumber, LocalService};
 use trirrr_core::model::Dynamic;
 use trirrr_core::tick::{Motor, Tick};
 // It holds the services of all number types and models: compiled there, they need not be compiled here.
 use trirrr_host_sim as _;
 use trirrr_protocol::message::{Command, Event, Message, Reply, Request};
 use trirrr_scene::{JobPlayer, NumberType, Scene, in_number_type, offer, units};
-use trirrr_service::ServiceNumber;
 
 const THESIS: &str = include_str!("../../scenes/thesis.toml");
 
@@ -99,7 +98,7 @@ fn needed(scene: &Scene, quantity: usize) -> Option<f64> {
 }
 
 /// Offers the job's moves to the service of the scene. True if it admits them all.
-fn is_played<N: ServiceNumber>(scene: &Scene) -> bool {
+fn is_played<N: HostNumber>(scene: &Scene) -> bool {
     let units = units::<N>(scene).expect("units of a scene that can be read");
     let moves = offer::moves::<N>(scene, &units);
     let offer = |machine: &mut dyn LocalService<N>| {

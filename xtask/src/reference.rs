@@ -1,8 +1,7 @@
 //! Results that the host computes for a scene's job: the bits that every core has to give.
 
 use anyhow::{Context, Result, bail};
-use trirrr_core::machine::Parameters;
-use trirrr_core::model::{Model, ModelVisitor};
+use trirrr_core::model::{Model, ModelVisitor, OfKind};
 use trirrr_core::number::{Coarse, Fixed, Number};
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Tick;
@@ -34,16 +33,17 @@ impl<N: Number> ModelVisitor<N> for JobChecksum<'_> {
         let units = trirrr_scene::units::<N>(scene)?;
         let period = units.time(scene.period_s());
         let player = JobPlayer::<N>::new(&scene.job.in_units(&units), period);
-        sum::<M>(&units.parameters(&scene.parameters), player.setpoints())
+        let parameters = units.parameters(&scene.parameters);
+        sum::<M>(scene.model().with(&parameters), player.setpoints())
             .with_context(|| format!("scene {}", scene.name))
     }
 }
 
 fn sum<M: Model>(
-    parameters: &Parameters,
+    machine: OfKind<'_>,
     setpoints: impl Iterator<Item = Setpoint<M::N>>,
 ) -> Result<u64> {
-    let tick = Tick::<M>::build(parameters)?;
+    let tick = Tick::<M>::build(machine)?;
     let mut checksum = Checksum::default();
     for setpoint in setpoints {
         match tick.evaluate(&setpoint) {

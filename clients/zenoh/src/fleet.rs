@@ -12,10 +12,9 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use trirrr_client::local;
+use trirrr_client::local::{self, HostNumber};
 use trirrr_client::transport::{SharedKey, entropy};
 use trirrr_scene::{Scene, in_number_type};
-use trirrr_service::ServiceNumber;
 use zenoh::Session;
 
 /// Time from one look at the end of the program to the next.
@@ -120,7 +119,7 @@ fn carry(
     in_number_type!(scene.number, N => play::<N>(args, setup, entry.port, key, zenoh, &keys, stop))
 }
 
-fn play<N: ServiceNumber>(
+fn play<N: HostNumber>(
     args: &FleetArgs,
     setup: MachineSetup,
     port: Option<trirrr_client::transport::Address>,

@@ -1,6 +1,6 @@
 //! The kind of model that a machine needs, and the one place where a kind becomes a type.
 
-use super::{Dynamic, Kinematic, Model};
+use super::{AnyDynamic, Dynamic, Kinematic, Model};
 use crate::machine::Parameters;
 use crate::number::Number;
 use crate::torque::links::{Horizontal, InPlane, Massive, Massless, Rotors};
@@ -37,6 +37,34 @@ pub enum LinksKind {
     MassiveInPlane,
 }
 
+/// A machine, and the kind that its model has to have.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OfKind<'a> {
+    /// The machine, checked, in its own units.
+    pub parameters: &'a Parameters,
+    /// Kind of the model; without one it is the kind of the type. A type of one kind needs none.
+    pub kind: Option<ModelKind>,
+}
+
+impl OfKind<'_> {
+    /// Returns the kinds of payload and links asked for.
+    pub(super) fn parts(&self) -> Option<(PayloadKind, LinksKind)> {
+        match self.kind {
+            Some(ModelKind::Dynamic(payload, links)) => Some((payload, links)),
+            Some(ModelKind::Kinematic) | None => None,
+        }
+    }
+}
+
+impl<'a> From<&'a Parameters> for OfKind<'a> {
+    fn from(parameters: &'a Parameters) -> Self {
+        Self {
+            parameters,
+            kind: None,
+        }
+    }
+}
+
 /// Code that is generic over the model.
 ///
 /// A scene names its model at run time, a pipeline names its model by type. [`ModelKind::visit`]
@@ -69,16 +97,24 @@ impl ModelKind {
         }
     }
 
-    /// Returns true if the motion of the legs takes torques, beside that of the platform.
-    pub const fn has_leg_loads(self) -> bool {
-        !matches!(
-            self,
-            Self::Kinematic | Self::Dynamic(_, LinksKind::Massless)
-        )
+    /// Asks for a model of this kind of the machine `parameters`.
+    pub fn with(self, parameters: &Parameters) -> OfKind<'_> {
+        OfKind {
+            parameters,
+            kind: Some(self),
+        }
     }
 
-    /// Runs `visitor` for the model of this kind.
+    /// Runs `visitor` for the type that holds this kind on a host. The model is built [of this kind](Self::with).
     pub fn visit<N: Number, V: ModelVisitor<N>>(self, visitor: V) -> V::Output {
+        match self {
+            Self::Kinematic => visitor.visit::<Kinematic<N>>(),
+            Self::Dynamic(..) => visitor.visit::<AnyDynamic<N>>(),
+        }
+    }
+
+    /// Runs `visitor` for the type of this kind alone, as images have it.
+    pub fn visit_image<N: Number, V: ModelVisitor<N>>(self, visitor: V) -> V::Output {
         match self {
             Self::Kinematic => visitor.visit::<Kinematic<N>>(),
             Self::Dynamic(PayloadKind::Centred, links) => links.visit::<N, Centred<N>, V>(visitor),
@@ -132,6 +168,13 @@ impl LinksKind {
 mod tests {
     use super::*;
     use crate::machine::example;
+    use crate::number::{Coarse, Fixed};
+    use crate::setpoint::{Pose, Setpoint};
+    use crate::source::ToSource;
+    use crate::status::Status;
+    use crate::tick::{Motion, Tick};
+    use nalgebra::{Vector2, Vector3};
+    use std::string::String;
 
     /// Returns the kind that the visited model says of itself.
     struct OwnKind;
@@ -146,28 +189,87 @@ mod tests {
 
     #[test]
     fn every_kind_leads_to_a_model_of_its_kind() {
+        for kind in kinds() {
+            assert_eq!(kind.visit_image(OwnKind), kind);
+        }
+    }
+
+    /// Motion at each setpoint, and the source of the model, by a type that holds a kind.
+    struct Evaluated<'a, N: Number>(OfKind<'a>, &'a [Setpoint<N>]);
+
+    impl<N: Number> ModelVisitor<N> for Evaluated<'_, N> {
+        type Output = (std::vec::Vec<Result<Motion<N>, Status>>, String);
+
+        fn visit<M: Model<N = N>>(self) -> Self::Output {
+            let tick = Tick::<M>::build(self.0).expect("a machine");
+            let mut source = String::new();
+            tick.model().write_value(&mut source).expect("a source");
+            let motions = self.1.iter().map(|setpoint| tick.evaluate(setpoint));
+            (motions.collect(), source)
+        }
+    }
+
+    /// A machine with everything, and one without load, at rest and in motion.
+    fn compare_with_the_types_of_images<N: Number>() {
+        let mut loaded = example();
+        loaded.gravity_m_s2 = Vector2::new(0.05, -0.15);
+        loaded.wrench_force_n = Vector2::new(0.08, -0.05);
+        loaded.wrench_torque_nm = 0.002;
+        loaded.platform.com_m = Vector2::new(0.01, 0.03);
+        for (leg, mass) in loaded.legs.iter_mut().zip([0.3, 0.2, 0.25]) {
+            (leg.proximal.mass_kg, leg.proximal.com_m) = (mass, 0.1);
+            (leg.distal.mass_kg, leg.distal.com_m) = (0.2, 0.15);
+            leg.rotor_inertia_kgm2 = 0.003;
+        }
+        let setpoints = [0.0, 0.4, 1.0].map(|size| Setpoint {
+            pose: Pose::<N>::from_f64(0.26 - 0.03 * size, 0.23, 0.2 + size),
+            velocity: (Vector3::new(0.1, -0.05, 0.2) * size).map(N::from_f64),
+            acceleration: (Vector3::new(-0.05, 0.1, 0.2) * size).map(N::from_f64),
+        });
+        for parameters in [example(), loaded] {
+            for kind in kinds() {
+                let evaluated = || Evaluated(kind.with(&parameters), &setpoints);
+                let (motions, source) = kind.visit(evaluated());
+                assert!(motions.iter().any(Result::is_ok), "{kind:?}");
+                assert_eq!(kind.visit_image(evaluated()), (motions, source), "{kind:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_kind_as_a_value_gives_the_bits_and_the_source_of_its_type() {
+        compare_with_the_types_of_images::<f64>();
+        compare_with_the_types_of_images::<f32>();
+        compare_with_the_types_of_images::<Fixed>();
+        compare_with_the_types_of_images::<Coarse>();
+    }
+
+    fn kinds() -> impl Iterator<Item = ModelKind> {
         use {LinksKind::*, PayloadKind::*};
         let links = [Massless, Rotors, MassiveHorizontal, MassiveInPlane];
         let dynamic = [Centred, Offset]
             .into_iter()
-            .flat_map(|payload| links.map(|links| ModelKind::Dynamic(payload, links)));
-        for kind in dynamic.chain([ModelKind::Kinematic]) {
-            assert_eq!(kind.visit(OwnKind), kind);
-        }
+            .flat_map(move |payload| links.map(|links| ModelKind::Dynamic(payload, links)));
+        dynamic.chain([ModelKind::Kinematic])
     }
 
     /// A machine whose links weigh nothing takes the same torques however its legs move.
     #[test]
     fn only_masses_of_the_legs_load_the_motors_by_their_motion() {
-        let dynamic = |links| ModelKind::Dynamic(PayloadKind::Offset, links);
-        assert!(!ModelKind::Kinematic.has_leg_loads());
-        assert!(!dynamic(LinksKind::Massless).has_leg_loads());
+        let parameters = example();
+        let dynamic = |links| {
+            let kind = ModelKind::Dynamic(PayloadKind::Offset, links);
+            AnyDynamic::<f64>::build(kind.with(&parameters)).has_leg_loads()
+        };
+        assert!(!Kinematic::<f64>::build((&parameters).into()).has_leg_loads());
+        assert!(!Dynamic::<f64>::build((&parameters).into()).has_leg_loads());
+        assert!(!dynamic(LinksKind::Massless));
         for links in [
             LinksKind::Rotors,
             LinksKind::MassiveHorizontal,
             LinksKind::MassiveInPlane,
         ] {
-            assert!(dynamic(links).has_leg_loads());
+            assert!(dynamic(links));
         }
     }
 

@@ -1,7 +1,8 @@
 //! The model of a machine: number type, and what a tick computes besides the motion of its joints.
 //!
 //! A scene chooses its model by type. An image therefore holds the code of one model and of
-//! nothing else.
+//! nothing else. A host compiles [`AnyDynamic`] instead, which holds the kind of its parts as values and computes the same
+//! bits.
 //!
 //! | model | computes |
 //! |---|---|
@@ -10,10 +11,9 @@
 
 mod kind;
 
-pub use kind::{LinksKind, ModelKind, ModelVisitor, PayloadKind};
+pub use kind::{LinksKind, ModelKind, ModelVisitor, OfKind, PayloadKind};
 
 use crate::inverse::{LegMotion, Rotation};
-use crate::machine::Parameters;
 use crate::number::Number;
 use crate::setpoint::Setpoint;
 use crate::source::ToSource;
@@ -21,8 +21,8 @@ use crate::status::Status;
 use crate::to_source;
 use crate::torque::balance::{Balance, Forces};
 use crate::torque::lines::DistalLines;
-use crate::torque::links::{LegLoad, Links, Massless};
-use crate::torque::payload::{Centred, Payload};
+use crate::torque::links::{AnyLinks, LegLoad, Links, Massless};
+use crate::torque::payload::{AnyPayload, Centred, Payload};
 use core::fmt::Debug;
 use core::marker::PhantomData;
 
@@ -34,14 +34,17 @@ pub trait Model: Copy + Debug + PartialEq + Send + Sync + ToSource + 'static {
     /// The same model in another number type.
     type Over<N: Number>: Model<N = N>;
 
-    /// Kind of the model.
+    /// Kind of the model; of [`AnyDynamic`] the widest.
     const KIND: ModelKind;
 
     /// True if the model computes torques.
     const TORQUES: bool;
 
-    /// Builds the coefficients from checked parameters.
-    fn build(parameters: &Parameters) -> Self;
+    /// Builds the coefficients from checked parameters, of the kind asked for where the type holds several.
+    fn build(machine: OfKind<'_>) -> Self;
+
+    /// Returns `true` if the motion of the legs takes torques, beside that of the platform.
+    fn has_leg_loads(&self) -> bool;
 
     /// The same without weight and external wrench: torques of the motion alone.
     fn inertial(&self) -> Self;
@@ -107,8 +110,13 @@ impl<N: Number> Model for Kinematic<N> {
     const KIND: ModelKind = ModelKind::Kinematic;
     const TORQUES: bool = false;
 
-    fn build(_: &Parameters) -> Self {
+    fn build(_: OfKind<'_>) -> Self {
         Self::from_coefficients(PhantomData)
+    }
+
+    #[inline(always)]
+    fn has_leg_loads(&self) -> bool {
+        false
     }
 
     fn inertial(&self) -> Self {
@@ -159,6 +167,9 @@ to_source!([N: Number, P: Payload<N>, L: Links<N>] Dynamic [N, P, L] in trirrr_c
     links: L,
 });
 
+/// Torques of a machine whose kind is a value: one type for a host, where an image has one of eight.
+pub type AnyDynamic<N> = Dynamic<N, AnyPayload<N>, AnyLinks<N>>;
+
 impl<N: Number, P: Payload<N>, L: Links<N>> Model for Dynamic<N, P, L> {
     type N = N;
     type Over<M: Number> = Dynamic<M, P::Over<M>, L::Over<M>>;
@@ -166,12 +177,19 @@ impl<N: Number, P: Payload<N>, L: Links<N>> Model for Dynamic<N, P, L> {
     const KIND: ModelKind = ModelKind::Dynamic(P::KIND, L::KIND);
     const TORQUES: bool = true;
 
-    fn build(parameters: &Parameters) -> Self {
+    fn build(machine: OfKind<'_>) -> Self {
+        let parameters = machine.parameters;
+        let (payload, links) = machine.parts().unwrap_or((P::KIND, L::KIND));
         Self {
             balance: Balance::build(parameters),
-            payload: P::build(parameters),
-            links: L::build(parameters),
+            payload: P::build(payload, parameters),
+            links: L::build(links, parameters),
         }
+    }
+
+    #[inline(always)]
+    fn has_leg_loads(&self) -> bool {
+        self.links.kind() > LinksKind::Massless
     }
 
     fn inertial(&self) -> Self {

@@ -7,7 +7,7 @@ use crate::model::LinksKind;
 use crate::number::{Number, dot, perpendicular};
 use crate::source::ToSource;
 use crate::to_source;
-use core::fmt::Debug;
+use core::fmt::{self, Debug};
 use nalgebra::Vector2;
 
 /// The inertia and weight of one leg's links against their angles. `None` is not zero but absent:
@@ -41,11 +41,17 @@ pub trait Links<N: Number>: Copy + Debug + PartialEq + Send + Sync + ToSource + 
     /// The same kind in another number type.
     type Over<M: Number>: Links<M>;
 
-    /// Kind of the links.
+    /// Kind of the links; of [`AnyLinks`] the widest.
     const KIND: LinksKind;
 
-    /// Builds the coefficients from checked parameters.
-    fn build(parameters: &Parameters) -> Self;
+    /// Returns the kind of these links: a constant, but for [`AnyLinks`].
+    #[inline(always)]
+    fn kind(&self) -> LinksKind {
+        Self::KIND
+    }
+
+    /// Builds the coefficients from checked parameters, of the kind `kind` where the type holds several.
+    fn build(kind: LinksKind, parameters: &Parameters) -> Self;
 
     /// The same without weight.
     fn inertial(&self) -> Self;
@@ -64,7 +70,7 @@ impl<N: Number> Links<N> for Massless {
     type Over<M: Number> = Self;
     const KIND: LinksKind = LinksKind::Massless;
 
-    fn build(_: &Parameters) -> Self {
+    fn build(_: LinksKind, _: &Parameters) -> Self {
         Self
     }
 
@@ -91,7 +97,7 @@ impl<N: Number> Links<N> for Rotors<N> {
     type Over<M: Number> = Rotors<M>;
     const KIND: LinksKind = LinksKind::Rotors;
 
-    fn build(parameters: &Parameters) -> Self {
+    fn build(_: LinksKind, parameters: &Parameters) -> Self {
         Self {
             inertia: parameters
                 .legs
@@ -209,7 +215,7 @@ impl<N: Number, G: Gravity<N>> Links<N> for Massive<N, G> {
     type Over<M: Number> = Massive<M, G::Over<M>>;
     const KIND: LinksKind = G::MASSIVE;
 
-    fn build(parameters: &Parameters) -> Self {
+    fn build(_: LinksKind, parameters: &Parameters) -> Self {
         Self {
             legs: parameters.legs.each_ref().map(MassiveLeg::build),
             gravity: G::build(parameters.gravity_m_s2),
@@ -304,5 +310,78 @@ impl<N: Number> Gravity<N> for InPlane<N> {
     #[inline(always)]
     fn across(&self, r: Vector2<N>) -> Option<N> {
         Some(dot(self.gravity, perpendicular(r)))
+    }
+}
+
+/// Links of any kind, for hosts: the kind is a value, so that the code around it is compiled once.
+/// Each variant computes the bits of its kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AnyLinks<N> {
+    /// No mass, no rotor inertia.
+    Massless(Massless),
+    /// No mass, but rotor inertia.
+    Rotors(Rotors<N>),
+    /// Mass, no gravity in the plane.
+    Horizontal(Massive<N, Horizontal>),
+    /// Mass, and gravity in the plane.
+    InPlane(Massive<N, InPlane<N>>),
+}
+
+impl<N: Number> Links<N> for AnyLinks<N> {
+    type Over<M: Number> = AnyLinks<M>;
+    const KIND: LinksKind = LinksKind::MassiveInPlane;
+
+    fn kind(&self) -> LinksKind {
+        match self {
+            Self::Massless(_) => LinksKind::Massless,
+            Self::Rotors(_) => LinksKind::Rotors,
+            Self::Horizontal(_) => LinksKind::MassiveHorizontal,
+            Self::InPlane(_) => LinksKind::MassiveInPlane,
+        }
+    }
+
+    fn build(kind: LinksKind, parameters: &Parameters) -> Self {
+        match kind {
+            LinksKind::Massless => Self::Massless(Massless),
+            LinksKind::Rotors => Self::Rotors(Rotors::build(kind, parameters)),
+            LinksKind::MassiveHorizontal => Self::Horizontal(Massive::build(kind, parameters)),
+            LinksKind::MassiveInPlane => Self::InPlane(Massive::build(kind, parameters)),
+        }
+    }
+
+    fn inertial(&self) -> Self {
+        match self {
+            Self::Massless(links) => Self::Massless(*links),
+            Self::Rotors(links) => Self::Rotors(*links),
+            Self::Horizontal(links) => Self::Horizontal(links.inertial()),
+            Self::InPlane(links) => Self::InPlane(links.inertial()),
+        }
+    }
+
+    #[inline(always)]
+    fn load(&self, leg: usize, motion: &LegMotion<N>) -> LegLoad<N> {
+        match self {
+            Self::Massless(_) => LegLoad::NONE,
+            Self::Rotors(links) => links.load(leg, motion),
+            Self::Horizontal(links) => links.load(leg, motion),
+            Self::InPlane(links) => links.load(leg, motion),
+        }
+    }
+}
+
+/// Source of the part of the kind that the value has: an image names that type.
+impl<N: Number> ToSource for AnyLinks<N> {
+    /// No image has this type.
+    fn write_type(_: &mut dyn fmt::Write) -> fmt::Result {
+        Err(fmt::Error)
+    }
+
+    fn write_value(&self, out: &mut dyn fmt::Write) -> fmt::Result {
+        match self {
+            Self::Massless(part) => part.write_value(out),
+            Self::Rotors(part) => part.write_value(out),
+            Self::Horizontal(part) => part.write_value(out),
+            Self::InPlane(part) => part.write_value(out),
+        }
     }
 }

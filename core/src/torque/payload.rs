@@ -8,7 +8,7 @@ use crate::number::{Number, cross};
 use crate::setpoint::Setpoint;
 use crate::source::ToSource;
 use crate::to_source;
-use core::fmt::Debug;
+use core::fmt::{self, Debug};
 use nalgebra::Vector2;
 
 /// A kind of platform. The scene chooses it by type, so that an image holds the code of one.
@@ -16,11 +16,11 @@ pub trait Payload<N: Number>: Copy + Debug + PartialEq + Send + Sync + ToSource 
     /// The same kind in another number type.
     type Over<M: Number>: Payload<M>;
 
-    /// Kind of the payload.
+    /// Kind of the payload; of [`AnyPayload`] the widest.
     const KIND: PayloadKind;
 
-    /// Builds the coefficients from checked parameters.
-    fn build(parameters: &Parameters) -> Self;
+    /// Builds the coefficients from checked parameters, of the kind `kind` where the type holds several.
+    fn build(kind: PayloadKind, parameters: &Parameters) -> Self;
 
     /// The same without weight and external wrench.
     fn inertial(&self) -> Self;
@@ -53,7 +53,7 @@ impl<N: Number> Payload<N> for Centred<N> {
     type Over<M: Number> = Centred<M>;
     const KIND: PayloadKind = PayloadKind::Centred;
 
-    fn build(parameters: &Parameters) -> Self {
+    fn build(_: PayloadKind, parameters: &Parameters) -> Self {
         let mass = parameters.platform.mass_kg;
         let force = -(parameters.gravity_m_s2 * mass + parameters.wrench_force_n);
         Self {
@@ -115,7 +115,7 @@ impl<N: Number> Payload<N> for Offset<N> {
     type Over<M: Number> = Offset<M>;
     const KIND: PayloadKind = PayloadKind::Offset;
 
-    fn build(parameters: &Parameters) -> Self {
+    fn build(_: PayloadKind, parameters: &Parameters) -> Self {
         Self {
             mass: N::factor_from_f64(parameters.platform.mass_kg),
             inertia: N::factor_from_f64(parameters.platform.inertia_kgm2),
@@ -156,6 +156,58 @@ impl<N: Number> Payload<N> for Offset<N> {
                 inertial.y - self.wrench_force.y,
             ),
             moment: a.z.scaled(self.inertia) + cross(s, inertial) - self.wrench_moment,
+        }
+    }
+}
+
+/// A platform of either kind, for hosts: the kind is a value, so that the code around it is compiled once.
+/// Each variant computes the bits of its kind.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AnyPayload<N: Number> {
+    /// The centre of mass is D.
+    Centred(Centred<N>),
+    /// The centre of mass lies at an offset from D.
+    Offset(Offset<N>),
+}
+
+impl<N: Number> Payload<N> for AnyPayload<N> {
+    type Over<M: Number> = AnyPayload<M>;
+    const KIND: PayloadKind = PayloadKind::Offset;
+
+    fn build(kind: PayloadKind, parameters: &Parameters) -> Self {
+        match kind {
+            PayloadKind::Centred => Self::Centred(Centred::build(kind, parameters)),
+            PayloadKind::Offset => Self::Offset(Offset::build(kind, parameters)),
+        }
+    }
+
+    fn inertial(&self) -> Self {
+        match self {
+            Self::Centred(payload) => Self::Centred(payload.inertial()),
+            Self::Offset(payload) => Self::Offset(payload.inertial()),
+        }
+    }
+
+    #[inline(always)]
+    fn demand(&self, setpoint: &Setpoint<N>, rotation: &Rotation<N>) -> Demand<N> {
+        match self {
+            Self::Centred(payload) => payload.demand(setpoint, rotation),
+            Self::Offset(payload) => payload.demand(setpoint, rotation),
+        }
+    }
+}
+
+/// Source of the part of the kind that the value has: an image names that type.
+impl<N: Number> ToSource for AnyPayload<N> {
+    /// No image has this type.
+    fn write_type(_: &mut dyn fmt::Write) -> fmt::Result {
+        Err(fmt::Error)
+    }
+
+    fn write_value(&self, out: &mut dyn fmt::Write) -> fmt::Result {
+        match self {
+            Self::Centred(part) => part.write_value(out),
+            Self::Offset(part) => part.write_value(out),
         }
     }
 }

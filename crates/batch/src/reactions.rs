@@ -2,7 +2,7 @@
 
 use crate::states::{FailedRow, Float, LengthError, StateRows, check_length, each_row};
 use trirrr_core::machine::{BuildError, Parameters};
-use trirrr_core::model::{Model, ModelKind, ModelVisitor};
+use trirrr_core::model::{Model, ModelKind, ModelVisitor, OfKind};
 use trirrr_core::reaction::Reactions;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::status::Status;
@@ -29,7 +29,10 @@ impl<F: Float> BatchReactions<F> {
     /// # Errors
     /// First quantity of the parameters that is refused.
     pub fn build(parameters: &Parameters) -> Result<Self, BuildError> {
-        let ticks = ModelKind::of(parameters, true).visit(BuildReactions { parameters })?;
+        let kind = ModelKind::of(parameters, true);
+        let ticks = kind.visit(BuildReactions {
+            machine: kind.with(parameters),
+        })?;
         Ok(Self { ticks })
     }
 
@@ -48,7 +51,7 @@ impl<F: Float> BatchReactions<F> {
 }
 
 struct BuildReactions<'a> {
-    parameters: &'a Parameters,
+    machine: OfKind<'a>,
 }
 
 impl<F: Float> ModelVisitor<F> for BuildReactions<'_> {
@@ -56,8 +59,8 @@ impl<F: Float> ModelVisitor<F> for BuildReactions<'_> {
 
     fn visit<M: Model<N = F>>(self) -> Self::Output {
         Ok(Box::new(ModelReactions::<M> {
-            tick: Tick::build(self.parameters)?,
-            reactions: Reactions::build(self.parameters),
+            tick: Tick::build(self.machine)?,
+            reactions: Reactions::build(self.machine.parameters),
         }))
     }
 }

@@ -8,7 +8,7 @@ use multiversion::multiversion;
 use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
 use trirrr_core::machine::{BuildError, Geometry, Parameters};
-use trirrr_core::model::{Model, ModelKind, ModelVisitor};
+use trirrr_core::model::{Model, ModelKind, ModelVisitor, OfKind};
 use trirrr_core::number::RoundsEachStep;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::singularity::Distances;
@@ -96,8 +96,11 @@ impl<F: Float> BatchMachine<F> {
     /// # Errors
     /// First quantity of the parameters that is refused.
     pub fn build(parameters: &Parameters, torque: bool) -> Result<Self, BuildError> {
+        let kind = ModelKind::of(parameters, torque);
         Ok(Self {
-            ticks: ModelKind::of(parameters, torque).visit(Build { parameters })?,
+            ticks: kind.visit(Build {
+                machine: kind.with(parameters),
+            })?,
             geometry: Geometry::build(parameters)?,
             distances: Distances::build(parameters),
         })
@@ -220,7 +223,7 @@ fn pose_of<F: Float>([x, y, alpha]: [F; 3]) -> Pose<F> {
 }
 
 struct Build<'a> {
-    parameters: &'a Parameters,
+    machine: OfKind<'a>,
 }
 
 impl<F: Float> ModelVisitor<F> for Build<'_> {
@@ -228,8 +231,8 @@ impl<F: Float> ModelVisitor<F> for Build<'_> {
 
     fn visit<M: Model<N = F>>(self) -> Self::Output {
         Ok(Box::new(ModelTicks::<F, M> {
-            one: Tick::build(self.parameters)?,
-            lanes: Tick::build(self.parameters)?,
+            one: Tick::build(self.machine)?,
+            lanes: Tick::build(self.machine)?,
         }))
     }
 }

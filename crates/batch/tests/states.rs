@@ -32,7 +32,7 @@ impl Draws {
     }
 }
 
-/// Evaluates one state by the tick of the model that is visited.
+/// Evaluates one state by the tick of the model that is visited: that of an image.
 struct Single<F: Float>(Parameters, Setpoint<F>);
 
 impl<F: Float> ModelVisitor<F> for Single<F> {
@@ -86,7 +86,7 @@ fn compare<F: Float>(
         let kind = ModelKind::of(parameters, torque);
         let bits = |values: [F; 3]| values.map(|value| value.to_f64().to_bits());
         let found = results.each_ref().map(|rows| bits(rows[row]));
-        match kind.visit(Single(*parameters, setpoint)) {
+        match kind.visit_image(Single(*parameters, setpoint)) {
             Ok(motors) => {
                 let expected = [
                     bits(motors.map(|motor| motor.angle)),
@@ -271,7 +271,7 @@ fn distances_and_joint_forces_are_those_of_single_states() {
                 velocity: Vector3::from(velocities[row]),
                 acceleration: Vector3::from(accelerations[row]),
             };
-            match kind.visit(SingleRecord(parameters, setpoint)) {
+            match kind.visit_image(SingleRecord(parameters, setpoint)) {
                 Ok(expected) => {
                     assert_eq!(forces[row].as_flattened(), expected, "row {row}");
                     let record = pipeline.evaluate(0.0, &setpoint).expect("a motion");

@@ -4,7 +4,8 @@
 use core::marker::PhantomData;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{Geometry, Parameters};
-use trirrr_core::model::{Model, ModelVisitor};
+use trirrr_core::model::{Model, ModelKind, ModelVisitor};
+use trirrr_core::number::{Coarse, Fixed};
 use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_core::tick::Motor;
 use trirrr_plan::window::ServicePlanner;
@@ -110,17 +111,52 @@ pub fn hello<N: ServiceNumber>(scene: &Scene) -> Hello {
     }
 }
 
+/// Number type whose machine this crate has compiled: who plays one links it and does not compile a service again.
+pub trait HostNumber: ServiceNumber {
+    #[doc(hidden)]
+    fn play_machine(scene: &Scene, how: Sensed<'_>, play: &mut Play<'_, Self>) -> Built;
+}
+
+/// Outcome of a machine that was to be built.
+pub type Built = Result<(), Unbuildable>;
+
+/// Code that plays a machine.
+type Play<'a, N> = dyn FnMut(&mut dyn LocalService<N>) + 'a;
+
+macro_rules! host_numbers {
+    ($($number:ty),+) => {$(
+        impl HostNumber for $number {
+            // A function that is inlined is compiled where it is called.
+            #[inline(never)]
+            fn play_machine(scene: &Scene, how: Sensed<'_>, play: &mut Play<'_, Self>) -> Built {
+                build(scene, how, play)
+            }
+        }
+    )+};
+}
+
+host_numbers!(f64, f32, Fixed, Coarse);
+
+/// Parts of a scene by which a machine finds out where it is.
+#[doc(hidden)]
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sensed<'a> {
+    homing: Option<&'a trirrr_scene::Homing>,
+    feedback: Option<&'a trirrr_scene::Feedback>,
+    contact: Option<&'a trirrr_scene::Contact>,
+}
+
 /// Builds the machine of `scene` and hands the machine to `play`. The machine stands where the job
 /// starts. The model has room for what the scene holds, and for nothing else.
 ///
 /// # Errors
 /// A machine, limits or a pose that the scene's reader would have refused, or that the number type
 /// cannot hold.
-pub fn with_machine<N: ServiceNumber, T>(
+pub fn with_machine<N: HostNumber, T>(
     scene: &Scene,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, Unbuildable> {
-    build(scene, None, None, None, play)
+    play_once(scene, Sensed::default(), play)
 }
 
 /// Builds as [`with_machine`], for a machine whose drives tell where they are: they have to be
@@ -128,12 +164,16 @@ pub fn with_machine<N: ServiceNumber, T>(
 ///
 /// # Errors
 /// As [`with_machine`].
-pub fn with_machine_measured<N: ServiceNumber, T>(
+pub fn with_machine_measured<N: HostNumber, T>(
     scene: &Scene,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, Unbuildable> {
-    let (feedback, contact) = (scene.feedback.as_ref(), scene.contact.as_ref());
-    build(scene, None, feedback, contact, play)
+    let how = Sensed {
+        homing: None,
+        feedback: scene.feedback.as_ref(),
+        contact: scene.contact.as_ref(),
+    };
+    play_once(scene, how, play)
 }
 
 /// Builds as [`with_machine`], for a machine that was just switched on. Where the scene has homing, the
@@ -141,26 +181,37 @@ pub fn with_machine_measured<N: ServiceNumber, T>(
 ///
 /// # Errors
 /// As [`with_machine`].
-pub fn with_machine_switched_on<N: ServiceNumber, T>(
+pub fn with_machine_switched_on<N: HostNumber, T>(
     scene: &Scene,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, Unbuildable> {
-    build(
-        scene,
-        scene.homing.as_ref(),
-        scene.feedback.as_ref(),
-        scene.contact.as_ref(),
-        play,
-    )
+    let how = Sensed {
+        homing: scene.homing.as_ref(),
+        feedback: scene.feedback.as_ref(),
+        contact: scene.contact.as_ref(),
+    };
+    play_once(scene, how, play)
 }
 
-fn build<N: ServiceNumber, T>(
+fn play_once<N: HostNumber, T>(
     scene: &Scene,
-    homing: Option<&trirrr_scene::Homing>,
-    feedback: Option<&trirrr_scene::Feedback>,
-    contact: Option<&trirrr_scene::Contact>,
+    how: Sensed<'_>,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, Unbuildable> {
+    let mut play = Some(play);
+    let mut played = None;
+    N::play_machine(scene, how, &mut |machine| {
+        played = play.take().map(|play| play(machine));
+    })?;
+    Ok(played.expect("a machine that is built is played once"))
+}
+
+fn build<N: ServiceNumber>(scene: &Scene, how: Sensed<'_>, play: &mut Play<'_, N>) -> Built {
+    let Sensed {
+        homing,
+        feedback,
+        contact,
+    } = how;
     let refused = |reason: String| Unbuildable {
         scene: scene.name.clone(),
         reason,
@@ -188,6 +239,7 @@ fn build<N: ServiceNumber, T>(
         None => None,
     };
     let described = Described {
+        kind: scene.model(),
         parameters,
         limits: units.limits(&scene.limits),
         start,
@@ -208,12 +260,13 @@ fn build<N: ServiceNumber, T>(
             None => None,
         },
     };
-    let built = scene.model().visit(Play { described, play });
+    let built = scene.model().visit(Playing { described, play });
     built.map_err(|error| refused(error.to_string()))
 }
 
 /// Description of a service in the units of the machine.
 struct Described<N: ServiceNumber> {
+    kind: ModelKind,
     parameters: Parameters,
     limits: LimitParameters,
     start: Pose<N>,
@@ -229,13 +282,13 @@ struct Described<N: ServiceNumber> {
     digital: DigitalParameters,
 }
 
-struct Play<N: ServiceNumber, F> {
+struct Playing<'a, 'b, N: ServiceNumber> {
     described: Described<N>,
-    play: F,
+    play: &'a mut Play<'b, N>,
 }
 
-impl<N: ServiceNumber, T, F: FnOnce(&mut dyn LocalService<N>) -> T> ModelVisitor<N> for Play<N, F> {
-    type Output = Result<T, ServiceError>;
+impl<N: ServiceNumber> ModelVisitor<N> for Playing<'_, '_, N> {
+    type Output = Result<(), ServiceError>;
 
     fn visit<M: Model<N = N>>(self) -> Self::Output {
         let Self { described, play } = self;
@@ -243,7 +296,8 @@ impl<N: ServiceNumber, T, F: FnOnce(&mut dyn LocalService<N>) -> T> ModelVisitor
             Adjustable::<M, Quintics, ServicePlanner<N, { offer::PIECES }, { offer::CELLS }>>::new(
                 described.parameters,
                 described.limits,
-            );
+            )
+            .of_kind(described.kind);
         let scene = WithLevels::<_, LEVELS> {
             scene,
             room: described.levels,
@@ -273,7 +327,8 @@ impl<N: ServiceNumber, T, F: FnOnce(&mut dyn LocalService<N>) -> T> ModelVisitor
         // The queues are some 100 KB.
         let mut channels = Box::new(Channels::<_, MOVES, SAMPLES>::new());
         let mut service = channels.service(scene, described.start, described.settings)?;
-        Ok(play(&mut service))
+        play(&mut service);
+        Ok(())
     }
 }
 

@@ -33,19 +33,22 @@ const VECTORS: u32 = 1_000;
 /// # Errors
 /// The machine is refused, or a setpoint of the job has no motion.
 pub fn along_job(scene: &Scene) -> Result<JobReactions, String> {
-    ModelKind::of(&scene.parameters, true).visit(Along { scene })
+    let kind = ModelKind::of(&scene.parameters, true);
+    kind.visit(Along { scene, kind })
 }
 
 struct Along<'a> {
     scene: &'a Scene,
+    kind: ModelKind,
 }
 
 impl ModelVisitor<f64> for Along<'_> {
     type Output = Result<JobReactions, String>;
 
     fn visit<M: Model<N = f64>>(self) -> Self::Output {
-        let Self { scene } = self;
-        let tick = Tick::<M>::build(&scene.parameters).map_err(|error| error.to_string())?;
+        let Self { scene, kind } = self;
+        let tick =
+            Tick::<M>::build(kind.with(&scene.parameters)).map_err(|error| error.to_string())?;
         let reactions = Reactions::<f64>::build(&scene.parameters);
         let player = JobPlayer::<f64>::new(&scene.job, scene.period_s());
         let mut found = JobReactions::default();

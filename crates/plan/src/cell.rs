@@ -24,8 +24,8 @@ use trirrr_core::dyad::{Accelerations, Rates};
 use trirrr_core::inverse::{LegMotion, LegPosition, Rotation};
 use trirrr_core::limits::Limits;
 #[cfg(feature = "std")]
-use trirrr_core::machine::{BuildError, Parameters};
-use trirrr_core::model::Model;
+use trirrr_core::machine::BuildError;
+use trirrr_core::model::{Model, OfKind};
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::status::Status;
@@ -94,14 +94,15 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
     ///
     /// # Errors
     /// The first quantity of the machine that is refused.
-    pub fn build(
-        parameters: &Parameters,
+    pub fn build<'a>(
+        machine: impl Into<OfKind<'a>>,
         limits: Limits<N::Bound>,
         ramp: N::Bound,
     ) -> Result<Self, BuildError> {
+        let machine = machine.into();
         // Holds and ticks are the admission's own.
-        let coefficients = Path::build(parameters, limits, Ramp::within(1, None), 1.0)?;
-        let radii = parameters.legs.iter().map(|leg| leg.joint_radius_m);
+        let coefficients = Path::build(machine, limits, Ramp::within(1, None), 1.0)?;
+        let radii = machine.parameters.legs.iter().map(|leg| leg.joint_radius_m);
         Ok(Self {
             lever_m: radii.fold(0.0, f64::max),
             ..Self::over(coefficients, ramp)
@@ -218,7 +219,9 @@ impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
         };
         let rotation = Rotation::new(pose.angle);
         let needed = match self.limits().acceleration {
-            _ if self.needs_torques() && M::KIND.has_leg_loads() => LegNeeds::Links,
+            _ if self.needs_torques() && self.path().tick().model().has_leg_loads() => {
+                LegNeeds::Links
+            }
             Some(_) => LegNeeds::Accelerations,
             None => LegNeeds::Rates,
         };

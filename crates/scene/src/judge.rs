@@ -98,7 +98,7 @@ impl<N: ServiceNumber> ModelVisitor<N> for OfferedJob<'_, N> {
             shortest,
         } = self;
         let mut admission = Admission::<M, Quintics>::build(
-            &units.parameters(&scene.parameters),
+            scene.model().with(&units.parameters(&scene.parameters)),
             Limits::build(&units.limits(&scene.limits))?,
             scene.ramp(),
             units.time(scene.period_s()),

@@ -5,7 +5,7 @@ use crate::record::{LegRecord, Record};
 use crate::{JobPlayer, Scene};
 use nalgebra::{Vector2, Vector3};
 use trirrr_core::machine::{BuildError, Parameters};
-use trirrr_core::model::{Model, ModelKind, ModelVisitor};
+use trirrr_core::model::{Model, ModelKind, ModelVisitor, OfKind};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::singularity::Distances;
@@ -96,11 +96,14 @@ fn build_kind<N: Number>(
     units: Units,
 ) -> Result<Box<dyn Pipeline<N>>, BuildError> {
     let parameters = &units.parameters(parameters);
-    kind.visit(Build { parameters, units })
+    kind.visit(Build {
+        machine: kind.with(parameters),
+        units,
+    })
 }
 
 struct Build<'a> {
-    parameters: &'a Parameters,
+    machine: OfKind<'a>,
     units: Units,
 }
 
@@ -108,11 +111,11 @@ impl<N: Number> ModelVisitor<N> for Build<'_> {
     type Output = Result<Box<dyn Pipeline<N>>, BuildError>;
 
     fn visit<M: Model<N = N>>(self) -> Self::Output {
-        let tick = Tick::<M>::build(self.parameters)?;
+        let tick = Tick::<M>::build(self.machine)?;
         let length = self.units.length_m();
         let bases = tick.geometry().legs().each_ref();
         let recorder = Recorder {
-            distances: Distances::build(self.parameters),
+            distances: Distances::build(self.machine.parameters),
             units: self.units,
             bases: bases.map(|leg| pair(leg.base(), length)),
         };

@@ -306,7 +306,8 @@ impl ModelVisitor<f64> for PlanJob<'_> {
         } = self;
         let limits = Limits::build(&scene.limits)?;
         let ramp = scene.service.stop_time_max_s.map_or(0.0, f64::recip);
-        let planner = Planner::<M>::build(&scene.parameters, limits, ramp)?;
+        let machine = scene.model().with(&scene.parameters);
+        let planner = Planner::<M>::build(machine, limits, ramp)?;
         let sampling = Sampling {
             period_s: scene.period_s(),
             tolerance_m: path.tolerance_m,
@@ -317,7 +318,7 @@ impl ModelVisitor<f64> for PlanJob<'_> {
         };
         let mut path = path.clone();
         if let Some(free) = path.free.as_ref().filter(|_| choose) {
-            let sampler = Sampler::<M>::build(&scene.parameters, limits, ramp)?;
+            let sampler = Sampler::<M>::build(machine, limits, ramp)?;
             path.pieces = choose_alpha(&planner, &sampler, &free.way, shortest_reach_m(scene))
                 .map_err(|refusal| Unplanned::NoAlpha {
                     number: free.way.pieces[refusal.place.piece].source,

@@ -4,8 +4,8 @@ use crate::admission::Enclose;
 use crate::admission::Path;
 use crate::pace::Ramp;
 use trirrr_core::limits::{LimitParameters, Limits};
-use trirrr_core::machine::{BuildError, Parameters, Quantity};
-use trirrr_core::model::Model;
+use trirrr_core::machine::{BuildError, Quantity};
+use trirrr_core::model::{Model, OfKind};
 use trirrr_core::setpoint::CurveKind;
 use trirrr_core::singularity::Distances;
 use trirrr_core::tick::Tick;
@@ -39,8 +39,8 @@ impl<M: Model<N: Enclose>> Coefficients<M> {
     /// # Errors
     /// The first quantity that is refused; a limit of torque or power where `M` computes no
     /// torques.
-    pub fn build(
-        parameters: &Parameters,
+    pub fn build<'a>(
+        machine: impl Into<OfKind<'a>>,
         limits: &LimitParameters,
         ramp: Ramp,
         period: f64,
@@ -49,13 +49,14 @@ impl<M: Model<N: Enclose>> Coefficients<M> {
             no_limit(Quantity::TorqueLimit, limits.torque_nm, NO_TORQUES)?;
             no_limit(Quantity::PowerLimit, limits.power_w, NO_TORQUES)?;
         }
-        let tick = Tick::build(parameters)?;
+        let machine = machine.into();
+        let tick = Tick::build(machine)?;
         let limits = Limits::build(limits)?;
         Ok(Self {
             tick,
             limits,
-            distances: Distances::build(parameters),
-            path: Path::build(parameters, limits.map(<M::N>::bound), ramp, period)?,
+            distances: Distances::build(machine.parameters),
+            path: Path::build(machine, limits.map(<M::N>::bound), ramp, period)?,
         })
     }
 }

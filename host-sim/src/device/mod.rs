@@ -23,6 +23,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use trirrr_client::describe::Units;
 use trirrr_client::local;
+use trirrr_client::local::HostNumber;
 use trirrr_client::transport::entropy;
 use trirrr_drives::ObeyingDrives;
 use trirrr_scene::Scene;
@@ -96,7 +97,7 @@ impl Simulated {
     ///
     /// # Errors
     /// As [`command`].
-    pub(crate) fn play<N: ServiceNumber>(
+    pub(crate) fn play<N: HostNumber>(
         self,
         scene: &Scene,
         stop: &AtomicBool,
@@ -130,7 +131,7 @@ struct Device<'a> {
 }
 
 impl Device<'_> {
-    fn play<N: ServiceNumber>(self) -> Result<(), CliError> {
+    fn play<N: HostNumber>(self) -> Result<(), CliError> {
         let Self {
             scene,
             doors,

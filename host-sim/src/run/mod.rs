@@ -33,7 +33,7 @@ use std::sync::mpsc::{Receiver, sync_channel};
 use std::time::Duration;
 use trirrr_client::JobWork;
 use trirrr_client::describe::Units;
-use trirrr_client::local::{self, LocalService};
+use trirrr_client::local::{self, HostNumber, LocalService};
 use trirrr_client::records::{Samples, is_of_a_job};
 use trirrr_client::runner::JobRunner;
 use trirrr_drives::count::Countable;
@@ -261,7 +261,7 @@ pub fn simulate(
     in_number_type!(scalar, N => simulate_in::<N>(scene, scalar, paced, rows, folder, stop))
 }
 
-fn simulate_in<N: ServiceNumber + Countable>(
+fn simulate_in<N: HostNumber + Countable>(
     scene: &Scene,
     scalar: NumberType,
     paced: bool,

@@ -1,7 +1,7 @@
 //! What the host computes for a scene: its machine, and its own service playing the job.
 
 use anyhow::{Context, Result, anyhow, bail, ensure};
-use trirrr_client::local::{self, LocalService};
+use trirrr_client::local::{self, HostNumber, LocalService};
 use trirrr_client::{describe, short_way};
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Motor;
@@ -28,7 +28,7 @@ pub(crate) struct Expected<N: ServiceNumber> {
     evaluator: Box<dyn Pipeline<N>>,
 }
 
-impl<N: ServiceNumber> Expected<N> {
+impl<N: HostNumber> Expected<N> {
     pub(crate) fn of(scene: &Scene) -> Result<Self> {
         let units = trirrr_scene::units::<N>(scene).map_err(|error| anyhow!("{error}"))?;
         Ok(Self {

@@ -2,7 +2,7 @@
 //! speed and of holds, stops and resumes.
 
 use crate::judge::Setting;
-use trirrr_core::model::{Model, ModelKind, ModelVisitor};
+use trirrr_core::model::{Model, ModelVisitor};
 use trirrr_core::setpoint::{Ends, Quintics, Segment, Setpoint};
 use trirrr_core::singularity::{Distances, det_a};
 use trirrr_core::status::Status;
@@ -166,7 +166,7 @@ pub(crate) fn visit<N: Enclose>(
     density: Density,
     visitor: &mut Visitor<'_>,
 ) {
-    ModelKind::of(&setting.parameters, true).visit(Visit {
+    setting.kind().visit(Visit {
         setting,
         offered: offered.into(),
         density,
@@ -197,7 +197,7 @@ fn with<N: Enclose, M: Model<N = N>>(
     density: Density,
     visitor: &mut Visitor<'_>,
 ) {
-    let tick = Tick::<M>::build(&setting.parameters).expect("a good machine");
+    let tick = Tick::<M>::build(setting.kind().with(&setting.parameters)).expect("a good machine");
     let distances = Distances::<N>::build(&setting.parameters);
     let segment = segment(offered, setting.period_s);
     let ramp = 1.0 / (f64::from(setting.ramp.ticks) * setting.period_s);
@@ -248,7 +248,7 @@ pub(crate) fn visit_paced(
     paces: &MovePaces,
     samples: u32,
 ) -> Extremes {
-    ModelKind::of(&setting.parameters, true).visit(VisitPaced {
+    setting.kind().visit(VisitPaced {
         setting,
         offered,
         paces,
@@ -268,7 +268,8 @@ impl ModelVisitor<f64> for VisitPaced<'_> {
 
     fn visit<M: Model<N = f64>>(self) -> Extremes {
         let setting = self.setting;
-        let tick = Tick::<M>::build(&setting.parameters).expect("a good machine");
+        let tick =
+            Tick::<M>::build(setting.kind().with(&setting.parameters)).expect("a good machine");
         let segment = segment(*self.offered, setting.period_s);
         let ramp = 1.0 / (f64::from(setting.ramp.ticks) * setting.period_s);
         let ticks = self.offered.common().ticks;

@@ -17,6 +17,13 @@ pub(crate) struct Setting {
     pub(crate) period_s: f64,
 }
 
+impl Setting {
+    /// The leanest kind of model that has torques.
+    pub(crate) fn kind(&self) -> ModelKind {
+        ModelKind::of(&self.parameters, true)
+    }
+}
+
 /// The verdict, the steps that it took, and the rates of a move that is admitted.
 pub(crate) struct Judged<N: Enclose> {
     pub(crate) verdict: Result<(), Violation<N>>,
@@ -26,7 +33,7 @@ pub(crate) struct Judged<N: Enclose> {
 
 pub(crate) fn judge<N: Enclose>(setting: &Setting, offered: impl Into<AnyMove<N>>) -> Judged<N> {
     let offered = offered.into();
-    ModelKind::of(&setting.parameters, true).visit(Judge { setting, offered })
+    setting.kind().visit(Judge { setting, offered })
 }
 
 struct Judge<'a, N: Enclose> {
@@ -64,6 +71,6 @@ fn with<N: Enclose, M: Model<N = N>>(setting: &Setting, offered: &AnyMove<N>) ->
 
 fn admission<N: Enclose, M: Model<N = N>>(setting: &Setting) -> Admission<M, Quintics> {
     let limits = Limits::build(&setting.limits).expect("good limits");
-    Admission::build(&setting.parameters, limits, setting.ramp, setting.period_s)
-        .expect("a good machine")
+    let machine = setting.kind().with(&setting.parameters);
+    Admission::build(machine, limits, setting.ramp, setting.period_s).expect("a good machine")
 }

@@ -5,7 +5,7 @@ use crate::judge::Setting;
 use crate::moves::{in_type, random_move};
 use nalgebra::Vector3;
 use trirrr_core::limits::LimitParameters;
-use trirrr_core::model::{Model, ModelKind, ModelVisitor};
+use trirrr_core::model::{Model, ModelVisitor};
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Hermite, Pose, RestToRest, Segment};
 use trirrr_core::singularity::Distances;
@@ -37,8 +37,9 @@ impl ModelVisitor<f32> for Visit<'_> {
             offered,
             shares,
         } = self;
-        let own = Tick::<M>::build(&setting.parameters).expect("a good machine");
-        let wide = Tick::<M::Over<Wide>>::build(&setting.parameters).expect("a good machine");
+        let machine = setting.kind().with(&setting.parameters);
+        let own = Tick::<M>::build(machine).expect("a good machine");
+        let wide = Tick::<M::Over<Wide>>::build(machine).expect("a good machine");
         let distances = Distances::<f32>::build(&setting.parameters);
         let wide_distances = Distances::<Wide>::build(&setting.parameters);
         let pose = |pose: &Pose<f32>| Pose::<Wide> {
@@ -115,7 +116,7 @@ fn few_values_are_rounded_by_more_than_the_allowance() {
             ramp: Ramp::fixed(ramp_ticks),
             period_s,
         };
-        ModelKind::of(&setting.parameters, true).visit(Visit {
+        setting.kind().visit(Visit {
             setting: &setting,
             offered: in_type(&(&offered).into()).common(),
             shares: &mut shares,

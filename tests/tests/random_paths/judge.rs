@@ -146,7 +146,7 @@ impl<N: ServiceNumber> ModelVisitor<N> for Admit<'_, N> {
         let Self { scene, moves } = self;
         let limits = Limits::build(&scene.limits).expect("limits");
         let mut admission = Admission::<M, Quintics>::build(
-            &scene.parameters,
+            scene.model().with(&scene.parameters),
             limits,
             scene.ramp(),
             scene.period_s(),
@@ -177,7 +177,8 @@ impl ModelVisitor<f64> for Bound<'_> {
         let scene = self.scene;
         let limits = Limits::build(&scene.limits).expect("limits");
         // Without room for holds, plan and bound are comparable.
-        let planner = Planner::<M>::build(&scene.parameters, limits, 0.0).expect("a machine");
+        let planner = Planner::<M>::build(scene.model().with(&scene.parameters), limits, 0.0)
+            .expect("a machine");
         let path = scene.job.path.as_ref().expect("a path");
         let plan = plan(&planner, &path.pieces, Effort::default()).expect("a plan");
         [plan.least_s(), plan.duration_s()]

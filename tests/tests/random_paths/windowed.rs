@@ -54,8 +54,12 @@ impl<N: ServiceNumber + Enclose<Bound = N>, const CELLS: usize> ModelVisitor<N>
         let scene = self.scene;
         let units = units::<N>(scene).expect("units");
         let limits = Limits::build(&scene.limits).expect("limits").map(N::bound);
-        let coefficients =
-            Path::<M>::build(&scene.parameters, limits, scene.ramp(), scene.period_s());
+        let coefficients = Path::<M>::build(
+            scene.model().with(&scene.parameters),
+            limits,
+            scene.ramp(),
+            scene.period_s(),
+        );
         let coefficients = coefficients.expect("a machine");
         let mut admission = Admission::<M, Quintics>::over(coefficients);
         let path = scene.job.path.as_ref().expect("a path");

@@ -1,7 +1,7 @@
 //! Conversations with a machine in the same program: bytes of the page's modules on one side, of the board's service on the other.
 
 use std::time::Duration;
-use trirrr_client::local::{self, LocalService};
+use trirrr_client::local::{self, HostNumber, LocalService};
 use trirrr_client::transport::Frames;
 use trirrr_protocol::message::{Message, Request, State};
 use trirrr_scene::{Scene, in_number_type};
@@ -107,7 +107,7 @@ impl<N: ServiceNumber> Bench<'_, N> {
     }
 }
 
-fn with_bench<N: ServiceNumber>(page: Board, scene: &Scene, play: impl FnOnce(Bench<'_, N>)) {
+fn with_bench<N: HostNumber>(page: Board, scene: &Scene, play: impl FnOnce(Bench<'_, N>)) {
     local::with_machine::<N, _>(scene, |machine| {
         play(Bench {
             page,

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::atomic::{AtomicBool, Ordering};
 use trirrr_client::describe::Units;
-use trirrr_client::local::{self, LocalService};
+use trirrr_client::local::{self, HostNumber, LocalService};
 use trirrr_client::records::{Samples, is_of_a_job};
 use trirrr_client::runner::{JobPart, JobRunner};
 use trirrr_core::status::Status;
@@ -73,7 +73,7 @@ fn plant_reason(end: &PlantEnd) -> Option<String> {
     }
 }
 
-fn play<N: ServiceNumber + Countable>(scene: &Scene, plant: bool) -> Result<PlayedJob, String> {
+fn play<N: HostNumber + Countable>(scene: &Scene, plant: bool) -> Result<PlayedJob, String> {
     let units = trirrr_scene::units::<N>(scene).map_err(|error| error.to_string())?;
     let pipeline = pipeline::of_scene::<N>(scene, units).map_err(|error| error.to_string())?;
     let line = Line::new();

@@ -106,7 +106,7 @@ impl<N: Number, const LEGS: usize> RedundantMachine<N, LEGS> {
         });
         Ok(Self {
             legs: core::array::from_fn(leg),
-            payload: Offset::build(&parameters.three([0, 1, 2])),
+            payload: Offset::build(Offset::<N>::KIND, &parameters.three([0, 1, 2])),
             gravity: parameters.gravity_m_s2.map(N::from_f64),
             // Joints in one point hold no moment, however it is scaled.
             arm: N::from_f64(if arm > 0.0 { arm } else { 1.0 }),

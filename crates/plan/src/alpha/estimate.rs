@@ -4,8 +4,8 @@ use crate::cell::{Limited, Obstacle};
 use crate::piece::PathPoint;
 use nalgebra::Vector3;
 use trirrr_core::limits::Limits;
-use trirrr_core::machine::{BuildError, Parameters};
-use trirrr_core::model::Model;
+use trirrr_core::machine::BuildError;
+use trirrr_core::model::{Model, OfKind};
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::singularity::Distances;
 use trirrr_core::tick::{Motion, Tick};
@@ -61,14 +61,16 @@ impl<M: Model<N = f64>> Sampler<M> {
     ///
     /// # Errors
     /// The first quantity of the machine that is refused.
-    pub fn build(
-        parameters: &Parameters,
+    pub fn build<'a>(
+        machine: impl Into<OfKind<'a>>,
         limits: Limits<f64>,
         ramp: f64,
     ) -> Result<Self, BuildError> {
+        let machine = machine.into();
+        let parameters = machine.parameters;
         let radii = parameters.legs.iter().map(|leg| leg.joint_radius_m);
         Ok(Self {
-            tick: Tick::build(parameters)?,
+            tick: Tick::build(machine)?,
             distances: Distances::build(parameters),
             limits,
             ramp,

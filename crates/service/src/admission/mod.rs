@@ -59,8 +59,8 @@ use nalgebra::Vector3;
 use scan::{Scan, Scanned};
 use shortest::{Found, Search};
 use trirrr_core::limits::Limits;
-use trirrr_core::machine::{BuildError, Parameters};
-use trirrr_core::model::Model;
+use trirrr_core::machine::BuildError;
+use trirrr_core::model::{Model, OfKind};
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Cubics, CurveKind, Ends, Pose, Segment};
 use trirrr_protocol::message::{AnyMove, Move, Violation};
@@ -176,15 +176,15 @@ impl<M: Model<N: Enclose>, K: CurveKind> Admission<M, K> {
     ///
     /// # Errors
     /// The first quantity of the machine that is refused; a limit of jerk where `K` knows none.
-    pub fn build(
-        parameters: &Parameters,
+    pub fn build<'a>(
+        machine: impl Into<OfKind<'a>>,
         limits: Limits<M::N>,
         ramp: Ramp,
         period_s: f64,
     ) -> Result<Self, BuildError> {
         crate::coefficients::allow_jerk::<K>(limits.jerk.map(|jerk| jerk.map(<M::N>::to_f64)))?;
         let limits = limits.map(<M::N>::bound);
-        Path::build(parameters, limits, ramp, period_s).map(Self::over)
+        Path::build(machine, limits, ramp, period_s).map(Self::over)
     }
 
     /// With coefficients that are built.

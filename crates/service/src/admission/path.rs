@@ -10,8 +10,8 @@ use nalgebra::Vector3;
 use trirrr_core::dyad::{Accelerations, Rates};
 use trirrr_core::inverse::{LegMotion, Rotation};
 use trirrr_core::limits::Limits;
-use trirrr_core::machine::{BuildError, LegParameters, Parameters};
-use trirrr_core::model::Model;
+use trirrr_core::machine::{BuildError, LegParameters};
+use trirrr_core::model::{Model, OfKind};
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{CurveKind, Segment, Setpoint};
 use trirrr_core::singularity::Distances;
@@ -62,12 +62,14 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
     ///
     /// # Errors
     /// The first quantity of the machine that is refused.
-    pub fn build(
-        parameters: &Parameters,
+    pub fn build<'a>(
+        machine: impl Into<OfKind<'a>>,
         limits: Limits<Float<N>>,
         ramp: Ramp,
         period_s: f64,
     ) -> Result<Self, BuildError> {
+        let machine = machine.into();
+        let parameters = machine.parameters;
         // The tick's own: a service is given no other, and a reader of scenes has to judge as a service does.
         let period_s = N::factor_to_f64(N::factor_from_f64(period_s));
         let slope = 1.0 / (f64::from(ramp.ticks.max(1)) * period_s);
@@ -79,7 +81,7 @@ impl<N: Enclose, M: Model<N = N>> Path<M> {
         let moderate = if is_short { 1_048_576.0 } else { 0.0 };
         Ok(Self {
             moderate: <Float<N>>::from_f64(moderate),
-            tick: Tick::build(parameters)?,
+            tick: Tick::build(machine)?,
             distances: Distances::build(parameters),
             limits,
             period: <Float<N>>::from_f64(period_s),

@@ -8,6 +8,7 @@ use crate::admission::Judgement;
 use crate::number::ServiceNumber;
 use nalgebra::Vector2;
 use trirrr_core::forward::Forward;
+use trirrr_core::model::OfKind;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::scene::Section;
@@ -28,8 +29,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let end = self.status.end.ok_or(Refusal::State(self.status.state))?;
         let period = N::factor_to_f64(self.settings.period);
         let ramp = self.settings.ramp;
-        let built =
-            Coefficients::<S::Model>::build(&changed.parameters, &changed.limits, ramp, period);
+        let machine = OfKind {
+            parameters: &changed.parameters,
+            kind: changed.kind,
+        };
+        let built = Coefficients::<S::Model>::build(machine, &changed.limits, ramp, period);
         let built = built.map_err(refusal)?;
         let geometry = *built.tick.geometry();
         let shift = changed.shift_rad.map(N::angle_from_f64);

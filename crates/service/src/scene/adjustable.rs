@@ -15,7 +15,7 @@ use core::marker::PhantomData;
 use heapless::spsc::Queue;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{BuildError, LegParameters, Parameters, Quantity};
-use trirrr_core::model::{Model, ModelKind};
+use trirrr_core::model::{Model, ModelKind, OfKind};
 use trirrr_core::setpoint::Quintics;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::{Section, SectionName};
@@ -27,6 +27,8 @@ use trirrr_protocol::message::{MoveBatch, Refusal, UpdateStep};
 pub struct Adjustable<M, K = Quintics, P = ()> {
     parameters: Parameters,
     limits: LimitParameters,
+    /// Kind of the model, where `M` holds several.
+    kind: Option<ModelKind>,
     /// Encoder offsets, rad.
     offsets_rad: [f64; 3],
     types: PhantomData<(M, K, P)>,
@@ -38,8 +40,24 @@ impl<M: Model, K: PlayedCurves, P> Adjustable<M, K, P> {
         Self {
             parameters,
             limits,
+            kind: None,
             offsets_rad: [0.0; 3],
             types: PhantomData,
+        }
+    }
+
+    /// Builds the model of the machine, and takes changes of the scene, as an image does whose type is of this kind alone.
+    pub fn of_kind(self, kind: ModelKind) -> Self {
+        Self {
+            kind: Some(kind),
+            ..self
+        }
+    }
+
+    fn machine<'a>(&self, parameters: &'a Parameters) -> OfKind<'a> {
+        OfKind {
+            parameters,
+            kind: self.kind,
         }
     }
 
@@ -47,7 +65,8 @@ impl<M: Model, K: PlayedCurves, P> Adjustable<M, K, P> {
     fn has_room_for(&self, parameters: &Parameters, limits: &LimitParameters) -> bool {
         let keeps = M::TORQUES || (limits.torque_nm.is_none() && limits.power_w.is_none());
         let keeps = keeps && (K::JERK || limits.jerk_rad_s3.is_none());
-        keeps && M::KIND.has_room_for(ModelKind::of(parameters, M::TORQUES))
+        let own = self.kind.unwrap_or(M::KIND);
+        keeps && own.has_room_for(ModelKind::of(parameters, M::TORQUES))
     }
 }
 
@@ -75,7 +94,8 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
     fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<M>, BuildError> {
         allow_jerk::<K>(self.limits.jerk_rad_s3)?;
         let period = N::factor_to_f64(settings.period);
-        Coefficients::build(&self.parameters, &self.limits, settings.ramp, period)
+        let machine = self.machine(&self.parameters);
+        Coefficients::build(machine, &self.limits, settings.ramp, period)
     }
 
     fn part(&self, name: SectionName, units: &Units) -> Option<Section> {
@@ -158,6 +178,7 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
         Ok(Changed {
             tool_way: parameters.platform.tool_point_m - self.parameters.platform.tool_point_m,
             parameters,
+            kind: self.kind,
             limits: units.limits(&limits),
             offsets_rad,
             shift_rad: [0, 1, 2].map(|motor| offsets_rad[motor] - self.offsets_rad[motor]),

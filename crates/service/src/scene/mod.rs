@@ -170,7 +170,7 @@ use postcard_schema::Schema;
 use serde::Serialize;
 use trirrr_core::limits::{LimitParameters, Limits};
 use trirrr_core::machine::{BuildError, Parameters};
-use trirrr_core::model::Model;
+use trirrr_core::model::{Model, ModelKind};
 use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::Pose;
 use trirrr_core::tick::Tick;
@@ -196,6 +196,8 @@ pub struct Setup<M: Model> {
 pub struct Changed {
     /// The machine.
     pub parameters: Parameters,
+    /// Kind of its model, where the type of the model holds several.
+    pub kind: Option<ModelKind>,
     /// Its limits.
     pub limits: LimitParameters,
     /// Encoder offsets of its motors, rad.

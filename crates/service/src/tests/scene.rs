@@ -45,7 +45,7 @@ impl Bench<Thesis<f64>> {
 
 #[test]
 fn an_image_without_the_code_refuses_overrides() {
-    let parameters = Box::leak(Box::new(example()));
+    let parameters: &_ = Box::leak(Box::new(example()));
     let limits = Box::leak(Box::new(LimitParameters::default()));
     let coefficients =
         Coefficients::<Dynamic<f64>>::build(parameters, limits, Ramp::within(RAMP, None), PERIOD_S)

@@ -1,7 +1,7 @@
 //! The text that an image includes.
 
 use super::constant::constant;
-use super::kinds::Machine;
+use super::kinds::{Machine, ModelPath};
 use super::{COARSE, FIXED, over_line};
 use nalgebra::Vector3;
 use std::error::Error;
@@ -39,16 +39,19 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     let limits = &units.limits(&scene.limits);
     let job = scene.job.in_units(&units);
     let period = units.time(scene.period_s());
+    let kind = scene.model();
     let machine = Machine {
+        kind,
         parameters,
         limits,
         ramp: scene.ramp(),
         period,
     };
-    let source = scene.model().visit::<N, _>(machine)?;
+    let coefficients_source = kind.visit::<N, _>(machine)?;
     let mut file = File(String::new());
     file.line(&format!("pub type Scalar = {scalar};"));
-    file.line(&format!("pub type Model = {};", source.model));
+    let model = kind.visit_image::<N, _>(ModelPath);
+    file.line(&format!("pub type Model = {model};"));
     let curves = match (limits.jerk_rad_s3.is_some(), scene.plays_quintics()) {
         (true, _) => "Quintics<true>",
         (false, true) => "Quintics<false>",
@@ -87,7 +90,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
         settings,
     );
     let coefficients = format!("{service}::Coefficients<Model>");
-    file.global("COEFFICIENTS", &coefficients, source.coefficients);
+    file.global("COEFFICIENTS", &coefficients, coefficients_source);
     let (parameters_type, limits_type) = (
         "trirrr_core::machine::Parameters",
         "trirrr_core::limits::LimitParameters",
