@@ -57,20 +57,23 @@ fn margins_are_those_of_the_joints() {
             "torque_peak_nm = 2.0",
             "geared = true\ntorque_peak_nm = 20.0",
         )
-        .replace("torque_continuous_nm = 0.5", "torque_continuous_nm = 5.0"));
+        .replace("torque_continuous_nm = 0.5", "torque_continuous_nm = 5.0")
+        .replace("1e-4", "2.0"));
     let [candidate] = &JobLoad::of(&scene).expect("a job").candidates(&[motor])[..] else {
         panic!("not one");
     };
     // The core itself with these rotors.
     for leg in &mut scene.parameters.legs {
-        leg.rotor_inertia_kgm2 = 1e-4;
+        leg.rotor_inertia_kgm2 = 2.0;
     }
     let machine = pipeline::of_scene::<f64>(&scene, Units::SI).expect("a machine");
     let player = JobPlayer::<f64>::new(&scene.job, scene.period_s());
     let (mut least, mut squares, mut count) = (f64::INFINITY, [0.0; 3], 0.0);
+    let mut back_j = 0.0;
     for setpoint in player.setpoints() {
         let record = machine.evaluate(0.0, &setpoint).expect("a pose");
         for (leg, square) in record.legs.iter().zip(&mut squares) {
+            back_j += (-leg.torque * leg.dth1).max(0.0) * scene.period_s();
             least = least.min(20.0 * (1.0 - leg.dth1.abs() / 100.0) / leg.torque.abs());
             *square += leg.torque * leg.torque;
         }
@@ -86,6 +89,48 @@ fn margins_are_those_of_the_joints() {
     );
     assert!((candidate.heat_margin.expect("one") * rms / 5.0 - 1.0).abs() < 1e-9);
     assert_eq!(candidate.gear_ratio, 1.0);
+    let told_j = candidate.regenerated_j.expect("a known rotor");
+    assert!((told_j / back_j - 1.0).abs() < 1e-9, "{told_j} {back_j}");
+    assert!(
+        (5.0..20.0).contains(&told_j),
+        "without a rotor 4.128: {told_j}"
+    );
+}
+
+/// A rotor of unknown inertia weighs nothing in the margins: they say too much, and the more so the higher the gear.
+#[test]
+fn what_depends_on_an_unknown_inertia_is_unknown() {
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/vertical.toml");
+    let scene = Scene::read(file).expect("a scene");
+    let load = JobLoad::of(&scene).expect("a job");
+    let unknown = MOTOR
+        .replace("rotor_inertia_kgm2 = 1e-4\n", "")
+        .replace("'a'", "'b'");
+    let motors = read_catalogue(&format!("{unknown}\n{MOTOR}")).expect("two");
+    let [known, other] = &load.candidates(&motors)[..] else {
+        panic!("not two");
+    };
+    assert_eq!((known.motor, other.motor), (1, 0));
+    assert!(other.margin() >= 1.0 && known.regenerated_j.is_some());
+    assert_eq!((other.inertia_ratio, other.regenerated_j), (None, None));
+    assert_eq!(load.least_time_s(&motors[0], other.gear_ratio), None);
+    // A lower gear does not do the job.
+    let lower = GEAR_RATIOS.iter().filter(|gear| **gear < other.gear_ratio);
+    for gear in lower {
+        let points = load.rotor_points(&motors[0], *gear);
+        let does = |[speed, torque]: &[f64; 2]| motors[0].torque_at(*speed) >= torque.abs();
+        let square = |motor: usize| {
+            points
+                .iter()
+                .skip(motor)
+                .step_by(3)
+                .map(|[_, torque]| torque * torque)
+        };
+        let ticks = points.len() as f64 / 3.0;
+        let rms = [0, 1, 2].map(|motor| (square(motor).sum::<f64>() / ticks).sqrt());
+        let is_hot = rms.iter().any(|rms| *rms > 0.5);
+        assert!(is_hot || !points.iter().all(does), "{gear}");
+    }
 }
 
 #[test]
@@ -203,7 +248,7 @@ fn moves_in_the_least_time_are_at_a_limit_of_the_motor() {
     let factor = least / own;
     let mut bare = scene.parameters;
     for leg in &mut bare.legs {
-        leg.rotor_inertia_kgm2 = motor.rotor_inertia_kgm2 * gear * gear;
+        leg.rotor_inertia_kgm2 = 1e-4 * gear * gear;
     }
     let machine = pipeline::build_in::<f64>(&bare, Units::SI).expect("a machine");
     let player = JobPlayer::<f64>::new(&scene.job, scene.period_s());

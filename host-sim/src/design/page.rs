@@ -179,7 +179,8 @@ fn motors(page: &mut String, study: &Study) {
     let _ = write!(
         page,
         "<p>Each motor of the catalogue with the gear that leaves the most. A margin is what there is over what is asked for: at every instant the torque at the \
-        speed, and over the job the continuous torque over the root mean square. Below 1 the motor does not do the job. The inertia of its rotor counts, friction does not. \
+        speed, and over the job the continuous torque over the root mean square. Below 1 the motor does not do the job. The inertia of its rotor counts, friction does not; where the catalogue has no inertia, the margins are those of a rotor that weighs nothing, and the motor stands behind the others. \
+        What is brought back is the sum of what each motor gives to a supply of its own in braking. \
         A curve that is estimated is the pull-out torque by the winding of a stepper, without resonance: plan with half of it. {}</p>\n<table><tr>",
         match study.scene.job.path.is_some() {
             true =>

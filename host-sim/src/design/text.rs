@@ -62,7 +62,7 @@ pub(super) const MOTOR_HEADS: [&str; 14] = [
     "RMS, N m",
     "part of the speed",
     "rotor / machine inertia",
-    "brought back, J",
+    "brought back by each, J",
     "least time, s",
 ];
 
@@ -86,12 +86,13 @@ pub(super) fn motor_cells(row: &MotorRow) -> [String; 13] {
         digits(candidate.torque_peak_nm),
         digits(candidate.torque_rms_nm),
         digits(candidate.speed_part),
-        match motor.rotor_inertia_kgm2 > 0.0 {
-            true => digits(candidate.inertia_ratio),
-            false => "-".into(),
+        candidate.inertia_ratio.map_or("unknown".into(), digits),
+        candidate.regenerated_j.map_or("unknown".into(), digits),
+        match (row.least_time_s, candidate.inertia_ratio) {
+            (Some(time_s), _) => digits(time_s),
+            (None, Some(_)) => "-".into(),
+            (None, None) => "unknown".into(),
         },
-        digits(candidate.regenerated_j),
-        row.least_time_s.map_or("-".into(), digits),
     ]
 }
 

@@ -96,7 +96,7 @@ pub(super) fn summary(scene: &Scene, found: &Identification, written: &IdentifyF
             format!("{}, {}", body_name(index), body_unit(index)),
             digits(found.nominal.0[index]),
             digits(found.values.0[index]),
-            digits(found.deviations[index]),
+            found.deviations[index].map_or("-".into(), digits),
             100.0 * found.shares[index]
         );
     }

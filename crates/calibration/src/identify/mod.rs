@@ -12,8 +12,11 @@ mod regressor;
 mod result;
 mod solve;
 mod telemetry;
+mod units;
 
 pub use bodies::{BODY_COUNT, BodyGroup, BodyVector, body_name, body_unit};
-pub use result::{ExplainedTorque, Identification, IdentificationRefusal, IdentificationSetup};
+pub use result::{
+    ExplainedTorque, Identification, IdentificationRefusal, IdentificationSetup, TorqueFactor,
+};
 pub use solve::identify;
 pub use telemetry::{JointSample, MotionColumns, read_telemetry};

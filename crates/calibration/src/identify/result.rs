@@ -5,6 +5,7 @@ use super::solve::{LEAST_EQUATIONS, LEAST_SAMPLES};
 use crate::columns::ColumnFault;
 use crate::sight::LEAST_RATIO;
 use nalgebra_dense::{DMatrix, DVector};
+use std::fmt;
 
 /// Settings of an identification.
 #[derive(Clone, Debug, PartialEq)]
@@ -52,11 +53,52 @@ pub enum IdentificationRefusal {
     /// All torques are 0.
     #[error("all torques are 0: the drives told none")]
     NoTorque,
+    /// Torques that no machine like that of the scene takes.
+    #[error("{0}")]
+    Factor(TorqueFactor),
     /// Nothing is free, or nothing that is free is seen.
     #[error(
         "the motion sees none of the free parameters better than they are known: {0}; move farther and faster"
     )]
     Blind(String),
+}
+
+/// Torques of a table against those of the scene's bodies in the same motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TorqueFactor {
+    /// Torques of the table in parts of those of the scene.
+    pub factor: f64,
+    /// Root mean square of the torques of the table, N m.
+    pub measured_nm: f64,
+    /// Root mean square of those of the scene, N m.
+    pub expected_nm: f64,
+}
+
+impl fmt::Display for TorqueFactor {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self {
+            factor,
+            measured_nm,
+            expected_nm,
+        } = self;
+        let hint = match *factor {
+            factor if factor < 0.0 => {
+                "turn their sign: a torque that turns the joint counter-clockwise is positive"
+            }
+            factor if (200.0..5000.0).contains(&factor) => "divide torques in N mm by 1000",
+            factor if factor > 1.0 => {
+                "give them in N m, or the scene masses that are nearer to those of the machine"
+            }
+            _ => {
+                "multiply torques of motors in front of a gear by its ratio, or give the scene masses that are nearer to those of the machine"
+            }
+        };
+        write!(
+            f,
+            "the torques are {factor:.3} times those that the bodies of the scene take in this motion ({measured_nm:.3} N m, where \
+             {expected_nm:.3} N m are expected, RMS): columns tau1 to tau3 are N m at the joints; {hint}"
+        )
+    }
 }
 
 /// Torques of a motor over time: measured, by the parameters as they were, and as they were found.
@@ -81,8 +123,8 @@ pub struct Identification {
     pub nominal: BodyVector,
     /// Parameters that fit.
     pub values: BodyVector,
-    /// Standard deviations, in the directions that are seen.
-    pub deviations: [f64; BODY_COUNT],
+    /// Standard deviations, in the directions that are seen; none for what is held.
+    pub deviations: [Option<f64>; BODY_COUNT],
     /// Parts of the parameters that the motion sees, 0 to 1; the rest stays nominal.
     pub shares: [f64; BODY_COUNT],
     /// Indices of the free parameters.

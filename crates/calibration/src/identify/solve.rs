@@ -8,6 +8,7 @@ use super::motion::{period_of, poses, smooth};
 use super::regressor::UnitMachines;
 use super::result::{ExplainedTorque, Identification, IdentificationRefusal, IdentificationSetup};
 use super::telemetry::JointSample;
+use super::units::wrong_factor;
 use crate::parameter::KinematicVector;
 use trirrr_core::machine::Parameters;
 
@@ -19,6 +20,9 @@ pub(super) const LEAST_EQUATIONS: usize = 60;
 
 /// Width of the filter, in usual distances of samples.
 const WIDTH: f64 = 6.0;
+
+/// Part of a parameter that has to be seen: below it is held, and the motion says nothing of its deviation.
+const LEAST_SHARE: f64 = 0.005;
 
 /// Each so many blocks one is kept out of the fit that is checked.
 const CHECKED_EVERY: usize = 5;
@@ -72,6 +76,9 @@ pub fn identify(
     // Neighbours share most of what the filter has averaged.
     let shared = (2.0 * std::f64::consts::PI.sqrt() * width_s / period_s).max(1.0);
     let all: Vec<&TorqueEquation> = equations.iter().collect();
+    if let Some(factor) = wrong_factor(&all, &nominal) {
+        return Err(IdentificationRefusal::Factor(factor));
+    }
     let problem = LinearProblem {
         nominal,
         free: free.clone(),
@@ -95,11 +102,12 @@ pub fn identify(
     });
 
     let mut shares = [0.0; BODY_COUNT];
-    let mut deviations = [0.0; BODY_COUNT];
+    let mut deviations = [None; BODY_COUNT];
     let spread = &solved.sight.seen * &solved.covariance * solved.sight.seen.transpose();
     for (place, share) in solved.sight.shares().iter().enumerate() {
         shares[free[place]] = *share;
-        deviations[free[place]] = spread[(place, place)].max(0.0).sqrt() * problem.scales[place];
+        let deviation = spread[(place, place)].max(0.0).sqrt() * problem.scales[place];
+        deviations[free[place]] = (*share >= LEAST_SHARE).then_some(deviation);
     }
     let explained = |equation: &TorqueEquation| {
         let by = |values: &BodyVector| equation.by(values);

@@ -31,9 +31,9 @@ pub struct CatalogueMotor {
     pub stepper: Option<StepperWinding>,
     /// Winding of a brushless motor, from which the line of its torque follows for any supply.
     pub brushless: Option<BrushlessWinding>,
-    /// Inertia of the rotor, at the shaft that the figures are for, kg m^2.
-    #[serde(default)]
-    pub rotor_inertia_kgm2: f64,
+    /// Inertia of the rotor, at the shaft that the figures are for, kg m^2. Without it margins are those of a rotor that weighs nothing,
+    /// and nothing is said that would depend on it.
+    pub rotor_inertia_kgm2: Option<f64>,
     /// The figures are those behind a gear of the motor's own; no other one is put on.
     #[serde(default)]
     pub geared: bool,
@@ -151,8 +151,9 @@ impl CatalogueMotor {
                 return Some(format!("{key} = {value}: must be greater than 0"));
             }
         }
-        if !(self.rotor_inertia_kgm2 >= 0.0 && self.rotor_inertia_kgm2.is_finite()) {
-            let value = self.rotor_inertia_kgm2;
+        if let Some(value) = self.rotor_inertia_kgm2
+            && !(value >= 0.0 && value.is_finite())
+        {
             return Some(format!(
                 "rotor_inertia_kgm2 = {value}: must not be negative"
             ));

@@ -21,21 +21,23 @@ const HALVINGS: u32 = 30;
 impl JobLoad<'_> {
     /// Least time in which the motor does the job with a gear, s. A path is planned anew with the rates and torques of the motor, the
     /// rotor's inertia included, in place of the scene's limits of rate, acceleration, torque and power. Moves are played faster or
-    /// slower, all by one factor, until the torque at the speed or the heat is at its limit. None: no duration is long enough.
+    /// slower, all by one factor, until the torque at the speed or the heat is at its limit. None: no duration is long enough, or the
+    /// inertia of the rotor, which a shorter time asks the most of, is not known.
     pub fn least_time_s(&self, motor: &CatalogueMotor, gear: f64) -> Option<f64> {
+        let rotor = motor.rotor_inertia_kgm2?;
         match &self.scene.job.path {
-            Some(_) => self.planned_s(motor, gear),
+            Some(_) => self.planned_s(motor, gear, rotor),
             None => self.scaled_s(motor, gear),
         }
     }
 
-    fn planned_s(&self, motor: &CatalogueMotor, gear: f64) -> Option<f64> {
+    fn planned_s(&self, motor: &CatalogueMotor, gear: f64, rotor: f64) -> Option<f64> {
         let path = self.scene.job.path.as_ref()?;
         let mut scene = self.scene.clone();
         // A scene without torques is planned with them here.
         scene.torque = true;
         for leg in &mut scene.parameters.legs {
-            leg.rotor_inertia_kgm2 = motor.rotor_inertia_kgm2 * gear * gear;
+            leg.rotor_inertia_kgm2 = rotor * gear * gear;
         }
         scene.limits.acceleration_rad_s2 = None;
         scene.limits.power_w = None;

@@ -34,10 +34,11 @@ pub struct Candidate {
     pub speed_part: f64,
     /// Least supply that does the job, V; none where the figures say nothing of other supplies. Infinite: none is enough.
     pub supply_needed_v: Option<f64>,
-    /// Inertia of the rotor at the joint, over that which the joints feel along the job.
-    pub inertia_ratio: f64,
-    /// Work that comes back in braking, J, losses not counted.
-    pub regenerated_j: f64,
+    /// Inertia of the rotor at the joint, over that which the joints feel along the job; none where it is not known.
+    pub inertia_ratio: Option<f64>,
+    /// Work that each motor brings back in braking, rotor included, J, of all three: losses are not counted, nor that another motor may
+    /// take it from a common supply. None where the inertia of the rotor is not known.
+    pub regenerated_j: Option<f64>,
 }
 
 impl Candidate {
@@ -73,7 +74,8 @@ impl JointPoint {
         // What moves takes torque with the square of the pace; what stands does not.
         let pace = 1.0 / (factor * factor);
         let torque = self.standing + pace * (self.torque - self.standing);
-        let own = torque / gear + motor.rotor_inertia_kgm2 * gear * pace * self.acceleration;
+        let rotor = motor.rotor_inertia_kgm2.unwrap_or(0.0);
+        let own = torque / gear + rotor * gear * pace * self.acceleration;
         [gear * self.rate / factor, own]
     }
 }
@@ -86,8 +88,6 @@ pub struct JobLoad<'a> {
     points: Vec<[JointPoint; 3]>,
     /// Inertia that a joint feels, kg m^2.
     inertia_kgm2: f64,
-    /// Work that comes back in braking, J.
-    regenerated_j: f64,
 }
 
 impl<'a> JobLoad<'a> {
@@ -126,12 +126,9 @@ impl<'a> JobLoad<'a> {
             }))
         });
         let points = points.collect::<Result<Vec<_>, String>>()?;
-        let joints = points.iter().flatten();
-        let returned_w = joints.map(|joint| (-joint.torque * joint.rate).max(0.0));
         Ok(Self {
             scene,
             inertia_kgm2: joint_inertia(&points),
-            regenerated_j: returned_w.sum::<f64>() * scene.period_s(),
             points,
         })
     }
@@ -144,7 +141,9 @@ impl<'a> JobLoad<'a> {
             .collect()
     }
 
-    /// All motors on the job, each with the gear that leaves the most; the greatest margins come first. The rotors of the catalogue count.
+    /// All motors on the job. The rotors of the catalogue count, and each motor has the gear that leaves the most. A rotor of unknown
+    /// inertia would leave the more the higher the gear: such a motor has the lowest gear that does the job, and comes behind the others.
+    /// Before that the greatest margins come first.
     pub fn candidates(&self, motors: &[CatalogueMotor]) -> Vec<Candidate> {
         let best = motors.iter().enumerate().filter_map(|(index, motor)| {
             let ratios = if motor.geared {
@@ -152,24 +151,32 @@ impl<'a> JobLoad<'a> {
             } else {
                 &GEAR_RATIOS
             };
-            let each = ratios
+            let mut each = ratios
                 .iter()
                 .map(|&gear| self.with_gear((index, motor), gear));
-            each.max_by(|one, other| one.margin().total_cmp(&other.margin()))
+            let least = motor.rotor_inertia_kgm2.is_none();
+            let least = least.then(|| each.clone().find(|it| it.margin() >= 1.0));
+            let most = |one: &Candidate, other: &Candidate| one.margin().total_cmp(&other.margin());
+            least.flatten().or_else(|| each.by_ref().max_by(most))
         });
         let mut found: Vec<Candidate> = best.collect();
-        found.sort_by(|one, other| other.margin().total_cmp(&one.margin()));
+        found.sort_by(|one, other| {
+            let is_known = |it: &Candidate| it.inertia_ratio.is_some();
+            let margins = other.margin().total_cmp(&one.margin());
+            is_known(other).cmp(&is_known(one)).then(margins)
+        });
         found
     }
 
     fn with_gear(&self, (index, motor): (usize, &CatalogueMotor), gear: f64) -> Candidate {
         let asked = self.asked(motor, gear, 1.0);
         let supply_of = |[speed, torque]: [f64; 2]| motor.supply_for(torque, speed);
-        let supplies: Vec<_> = self
-            .rotor_points(motor, gear)
-            .into_iter()
-            .map(supply_of)
-            .collect();
+        let points = self.rotor_points(motor, gear);
+        let returned_w = points
+            .iter()
+            .map(|[speed, torque]| (-speed * torque).max(0.0));
+        let regenerated_j = returned_w.sum::<f64>() * self.scene.period_s();
+        let supplies: Vec<_> = points.into_iter().map(supply_of).collect();
         Candidate {
             motor: index,
             gear_ratio: gear,
@@ -183,8 +190,10 @@ impl<'a> JobLoad<'a> {
             supply_needed_v: supplies
                 .into_iter()
                 .try_fold(0.0, |most: f64, each| Some(most.max(each?))),
-            inertia_ratio: motor.rotor_inertia_kgm2 * gear * gear / self.inertia_kgm2,
-            regenerated_j: self.regenerated_j,
+            inertia_ratio: motor
+                .rotor_inertia_kgm2
+                .map(|rotor| rotor * gear * gear / self.inertia_kgm2),
+            regenerated_j: motor.rotor_inertia_kgm2.map(|_| regenerated_j),
         }
     }
 
