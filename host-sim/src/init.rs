@@ -2,7 +2,7 @@
 
 use crate::arguments::BUILT_IN;
 use crate::failure::CliError;
-use crate::recording::new_file;
+use crate::results::write_new;
 use crate::terminal::print;
 use clap::Args;
 use clap::builder::PossibleValuesParser;
@@ -30,7 +30,7 @@ pub fn command(args: &InitArgs) -> Result<(), CliError> {
     let file = &args.file;
     let text = BUILT_IN.iter().find(|(name, _)| *name == args.from);
     let text = text.map_or("", |(_, text)| text);
-    new_file(file, text)?;
+    write_new(file, text.as_bytes())?;
     let name = file.display();
     print(&format!(
         "wrote {name}. Change lengths, places and the job in it; then\n  trirrr check {name}\n  trirrr design {name}\n  trirrr run --fast {name}\n"

@@ -2,10 +2,11 @@
 
 use crate::arguments::{BUILT_IN, DEFAULT_SCENE};
 use crate::failure::CliError;
-use crate::recording::unwritable;
+use crate::results::ResultFolder;
 use std::path::{Path, PathBuf};
 use trirrr_calibration::ScenePatch;
 use trirrr_scene::Scene;
+use trirrr_scene::read::files::is_stream;
 
 /// Copies of a scene's file, and of that of its machine where the scene names one.
 pub(crate) struct PatchedScene {
@@ -23,6 +24,17 @@ pub(crate) struct WrittenScene {
 }
 
 impl PatchedScene {
+    /// Names of the copies of the files of `scene`, which was read from `file`.
+    pub(crate) fn names(scene: &Scene, file: &Path) -> Vec<String> {
+        let name = file_name(file);
+        let machine = scene.machine_file.as_ref();
+        let machine = machine.map(|machine| match file_name(machine) {
+            same if same == name => format!("machine-{same}"),
+            other => other,
+        });
+        std::iter::once(name).chain(machine).collect()
+    }
+
     /// Takes the files of `scene`, which was read from `file`.
     ///
     /// # Errors
@@ -32,15 +44,12 @@ impl PatchedScene {
             true => BUILT_IN[0].1.to_owned(),
             false => text_of(file)?,
         };
-        let name = file_name(file);
+        let mut names = Self::names(scene, file).into_iter();
+        let name = names.next().unwrap_or_default();
         let refused = |error: String| CliError::Refused(format!("{}: {error}", file.display()));
-        let machine = match &scene.machine_file {
+        let machine = match scene.machine_file.as_ref().zip(names.next()) {
             None => None,
-            Some(machine) => {
-                let own = match file_name(machine) {
-                    same if same == name => format!("machine-{same}"),
-                    other => other,
-                };
+            Some((machine, own)) => {
                 let patch = ScenePatch::of(&text_of(machine)?).map_err(refused)?;
                 Some((own, patch))
             }
@@ -65,19 +74,26 @@ impl PatchedScene {
         }
     }
 
-    /// Writes the copies into `folder`, below the lines of `head`, and reads them as every command does.
+    /// Writes the copies into the folder of `results`, below the lines of `head`, and reads them as every command does.
     ///
     /// # Errors
-    /// Failed: a file cannot be written.
-    pub(crate) fn write(&self, folder: &Path, head: &[String]) -> Result<WrittenScene, CliError> {
-        let machine = self.machine.iter().map(|(name, patch)| (name, patch));
-        let mut files = Vec::new();
-        for (name, patch) in std::iter::once((&self.name, &self.scene)).chain(machine) {
-            let path = folder.join(name);
-            std::fs::write(&path, patch.text(head)).map_err(|error| unwritable(&path, &error))?;
-            files.push(path);
+    /// Those of [`ResultFolder::write`].
+    pub(crate) fn write(
+        &self,
+        results: &mut ResultFolder,
+        head: &[String],
+    ) -> Result<WrittenScene, CliError> {
+        let scene = self.scene.text(head);
+        let machine = self.machine.as_ref();
+        let machine = machine.map(|(name, patch)| (name, patch.text(head)));
+        let mut files = vec![results.write(&self.name, scene.as_str())?];
+        if let Some((name, text)) = &machine {
+            files.push(results.write(name, text.as_str())?);
         }
-        let read = Scene::read(folder.join(&self.name));
+        let text = machine.map(|(_, text)| text);
+        let machines = |_: &Path| text.clone().ok_or_else(|| "no machine".to_owned());
+        let name = files[0].display().to_string();
+        let (read, _) = Scene::parse_shown(&scene, &name, &[], &machines);
         let refusal = read.err().map(|error| error.to_string());
         Ok(WrittenScene {
             files,
@@ -90,7 +106,11 @@ fn text_of(file: &Path) -> Result<String, CliError> {
     trirrr_scene::read::text_of(file).map_err(|error| CliError::Refused(error.to_string()))
 }
 
+/// Name of the copy of a file. A pipe has no name of its own.
 fn file_name(file: &Path) -> String {
+    if is_stream(file) {
+        return "scene.toml".into();
+    }
     let name = file.file_name().unwrap_or_default();
     name.to_string_lossy().into_owned()
 }

@@ -4,7 +4,6 @@ use crate::failure::CliError;
 use crate::figures::PlanTraces;
 use crate::job_file::{self, JobFileArgs, LoadedJob, LongMoves};
 use crate::pictures::PictureArgs;
-use crate::recording::unwritable;
 use crate::results::ResultFolder;
 use crate::terminal::print;
 use clap::Args;
@@ -36,8 +35,8 @@ pub struct PlanArgs {
     /// Print one JSON object instead of text
     #[arg(long)]
     pub json: bool,
-    /// Folder for what is written, made if missing; results of an earlier command go
-    /// [default: out/NAME, after the scene's name]
+    /// Folder for what is written, made if missing; those of an earlier run go
+    /// [default: out/NAME-plan, after the scene's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Figures as PNG.
@@ -52,6 +51,9 @@ fn gap(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Files of a plan.
+const FILES: [&str; 4] = ["plan.csv", "moves.csv", "levels.csv", "plan.svg"];
+
 /// Plans the path of a scene, writes tables and a figure, and prints what was found.
 ///
 /// # Errors
@@ -61,6 +63,12 @@ pub fn command(args: &PlanArgs) -> Result<(), CliError> {
     job.warn_of_pauses();
     let LoadedJob { scene, .. } = job;
     let name = args.scene.display();
+    let folder = match &args.out {
+        Some(folder) => folder.clone(),
+        None => Path::new("out").join(format!("{}-plan", scene.name)),
+    };
+    let mut results = ResultFolder::of(&folder, "plan")?.with_pictures(args.pictures.png);
+    results.claim(FILES)?;
     let effort = Effort {
         gap: args.gap,
         ..Effort::default()
@@ -70,15 +78,10 @@ pub fn command(args: &PlanArgs) -> Result<(), CliError> {
     let path = path.ok_or_else(|| refused("the job has no [[job.path]]".into()))?;
     let job = plan_job(&scene, path, effort).map_err(|error| refused(error.to_string()))?;
     let points = all_points(&scene, &job);
-    let folder = match &args.out {
-        Some(folder) => folder.clone(),
-        None => Path::new("out").join(&scene.name),
-    };
-    let mut results = ResultFolder::create(&folder, "plan")?;
-    results.begin()?;
-    let mut files = write(&scene, &job, &points, &folder)?;
-    files.extend(args.pictures.beside(&files)?);
-    results.end(&files, Ok(()))?;
+    write(&scene, &job, &points, &mut results)?;
+    results.pictures()?;
+    results.end(Ok(()))?;
+    let files = results.files();
     let text = match args.json {
         true => format!("{}\n", as_json(&scene, &job)),
         false => as_text(&scene, &job, &points, &files),
@@ -146,13 +149,13 @@ fn all_points(scene: &Scene, job: &PlannedJob) -> Vec<PlanPoint> {
     all
 }
 
-/// Writes tables and the figure; the files.
+/// Writes tables and the figure.
 fn write(
     scene: &Scene,
     job: &PlannedJob,
     points: &[PlanPoint],
-    folder: &Path,
-) -> Result<Vec<PathBuf>, CliError> {
+    results: &mut ResultFolder,
+) -> Result<(), CliError> {
     // Shortest digits that read back as the same number, as in `ticks.csv`.
     let mut plan = String::from("t,piece,p,x,y,alpha,speed,speed_max,limit\n");
     let mut traces = PlanTraces::new(points.len() as u64, job.path.free.is_some());
@@ -172,15 +175,10 @@ fn write(
     if !levels.is_empty() {
         tables.push(("levels.csv", levels_table(&steps, &levels)));
     }
-    let mut files = Vec::new();
     for (file, text) in tables {
-        let file = folder.join(file);
-        std::fs::write(&file, text).map_err(|error| unwritable(&file, &error))?;
-        files.push(file);
+        results.write(file, text)?;
     }
-    let figure = traces.write(folder, &scene.name);
-    files.push(figure.map_err(|error| unwritable(&error.path, &error.source))?);
-    Ok(files)
+    traces.write(results, &scene.name).map(drop)
 }
 
 /// The moves as a table that other clients play: the state at the end of each, after a row for the start.

@@ -1,14 +1,15 @@
 //! `trirrr report`: errors, run times and extremes, by the crate `trirrr-report`.
 
 use crate::failure::CliError;
-use crate::results::ResultFolder;
+use crate::results::{ResultFolder, refresh};
 use crate::terminal::print;
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::time::Duration;
-use trirrr_report::{ReportError, ReportSection, refresh, write};
+use trirrr_report::{ReportError, ReportSection, measure};
+use trirrr_scene::read::files::{LONGEST_TABLE, text_in};
 
 /// `trirrr report`.
 ///
@@ -44,17 +45,33 @@ pub fn command(args: &ReportArgs) -> Result<(), CliError> {
         [] => &ReportSection::ALL,
         some => some,
     };
-    let mut results = ResultFolder::create(&args.out, "report")?;
-    results.begin()?;
-    let report = with_bar(|progress| write(sections, &args.out, progress))?;
-    results.end(&report.files, Ok(()))?;
+    let document = args.docs.as_ref().map(|document| {
+        let text = text_in(document, LONGEST_TABLE);
+        text.map(|text| (document, text)).map_err(|error| {
+            CliError::Refused(format!("{}: cannot be read: {error}", document.display()))
+        })
+    });
+    let document = document.transpose()?;
+    let mut results = ResultFolder::of(&args.out, "report")?;
+    let report = with_bar(|progress| measure(sections, progress))?;
     for file in &report.files {
+        results.write(&file.name, file.content.clone())?;
+    }
+    results.end(Ok(()))?;
+    for file in results.files() {
         print(&format!("{}\n", file.display()))?;
     }
-    match &args.docs {
-        Some(document) => Ok(refresh(document, &report)?),
-        None => Ok(()),
-    }
+    let Some((document, text)) = document else {
+        return Ok(());
+    };
+    let (text, shown) = report
+        .refreshed(&text)
+        .map_err(|reason| CliError::Refused(format!("{}: {reason}", document.display())))?;
+    let images = document.with_file_name("images");
+    let figures = shown
+        .iter()
+        .map(|file| (images.join(&file.name), &*file.content));
+    refresh(figures.chain([(document.clone(), text.as_bytes())]))
 }
 
 /// Shows the steps of `work` as a bar on standard error, on a terminal only.

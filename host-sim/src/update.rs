@@ -13,6 +13,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use trirrr_client::{ProgramImage, UpdateAction, UpdateClient, describe};
 use trirrr_protocol::message::Identity;
+use trirrr_scene::read::files;
 
 /// Longest wait for the board before Ctrl-C is looked at.
 const LOOK: Duration = Duration::from_millis(20);
@@ -168,7 +169,8 @@ fn bar(length: u32) -> ProgressBar {
 /// Refused: no such file, or no image that is replaced over the line.
 fn read(file: &Path) -> Result<ProgramImage, CliError> {
     let refused = |why: &str| CliError::Refused(format!("{}: {why}", file.display()));
-    let data = std::fs::read(file).map_err(|error| refused(&error.to_string()))?;
+    let data = files::bytes_of(file, 2 * u64::from(LARGEST))
+        .map_err(|error| refused(&error.to_string()))?;
     let (start, bytes) = content(&data).map_err(|why| refused(&why))?;
     ProgramImage::new(start, bytes).ok_or_else(|| {
         refused(
@@ -209,6 +211,8 @@ fn content(data: &[u8]) -> Result<(u32, Vec<u8>), String> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::disallowed_methods)]
+
     use super::*;
 
     /// An ELF file of segments without sections.

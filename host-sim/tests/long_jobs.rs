@@ -1,5 +1,7 @@
 //! Jobs of very many lines: time to plan them, and memory.
 
+#![allow(clippy::disallowed_methods)]
+
 use std::fmt::Write as _;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write as _};

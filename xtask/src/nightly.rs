@@ -117,6 +117,11 @@ fn steps() -> Result<Vec<Step>> {
             ],
         ),
         Step::on_host(
+            "files that commands read and write, all pairs",
+            "test",
+            &["--test", "commands", "all_pairs", "--", "--ignored"],
+        ),
+        Step::on_host(
             "jobs of a million lines",
             "test",
             &[

@@ -1,6 +1,6 @@
 //! Kind of machine that a scene describes.
 
-use crate::read::{Section, Setting, with_scene};
+use crate::read::{Section, Setting, text_of, with_scene};
 use std::path::Path;
 
 /// Key of the kind, at the top of a scene.
@@ -67,7 +67,7 @@ impl MachineKind {
     /// Kind of the machine in `file`, with `settings` in place of its own values. A file that is refused is taken for
     /// a 3-RRR, whose reader says why.
     pub fn of_file(file: &Path, settings: &[Setting]) -> Self {
-        let text = std::fs::read_to_string(file).unwrap_or_default();
+        let text = text_of(file).unwrap_or_default();
         let name = file.display().to_string();
         let kind = with_scene(&text, &name, settings, &[], |_, root, _| {
             root.ignore_rest();

@@ -24,7 +24,7 @@ pub struct AssembleArgs {
     /// Print one JSON object in place of the tables
     #[arg(long)]
     pub json: bool,
-    /// Folder for what is written, made if missing; results of an earlier command go [default: out/NAME-assemble]
+    /// Folder for what is written, made if missing; those of an earlier run go [default: out/NAME-assemble]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
 }

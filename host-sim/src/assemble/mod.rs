@@ -8,7 +8,6 @@ mod text;
 pub use args::{AssembleArgs, StandingArgs};
 
 use crate::failure::CliError;
-use crate::recording::unwritable;
 use crate::results::ResultFolder;
 use crate::terminal::print;
 use find::Modes;
@@ -25,9 +24,7 @@ pub fn command(args: &AssembleArgs) -> Result<(), CliError> {
         Some(folder) => folder.clone(),
         None => Path::new("out").join(format!("{}-assemble", modes.scene.name)),
     };
-    let mut results = ResultFolder::create(&folder, "assemble")?;
-    results.begin()?;
-    let mut files = Vec::new();
+    let mut results = ResultFolder::of(&folder, "assemble")?;
     let failed = |error: Box<dyn std::error::Error + Send + Sync>| {
         CliError::Failed(format!("a figure: {error}"))
     };
@@ -43,13 +40,11 @@ pub fn command(args: &AssembleArgs) -> Result<(), CliError> {
             figure::working_modes(&modes).map_err(failed)?,
         ),
     ] {
-        let path = folder.join(name);
-        std::fs::write(&path, text).map_err(|error| unwritable(&path, &error))?;
-        files.push(path);
+        results.write(name, text)?;
     }
-    results.end(&files, Ok(()))?;
+    results.end(Ok(()))?;
     match args.json {
         true => print(&format!("{:#}\n", text::as_json(&modes))),
-        false => print(&text::tables(&modes, &files)),
+        false => print(&text::tables(&modes, &results.files())),
     }
 }

@@ -107,7 +107,7 @@ pub struct CalibrateArgs {
     /// The board.
     #[command(flatten)]
     pub board: CalibratedBoardArgs,
-    /// Folder for what is written, made if missing; results of an earlier command go [default: out/NAME-calibration]
+    /// Folder for what is written, made if missing; those of an earlier run go [default: out/NAME-calibration]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print calibration.json in place of the summary

@@ -10,8 +10,8 @@ pub use args::{CalibrateArgs, MeasuredKind};
 
 use crate::failure::CliError;
 use crate::figures::CalibrationFigures;
-use crate::recording::unwritable;
-use crate::results::{ResultFolder, write_text as write};
+use crate::patched_scene::PatchedScene;
+use crate::results::ResultFolder;
 use crate::terminal::print;
 use board::CalibratedBoard;
 use next::NextPoses;
@@ -23,6 +23,7 @@ use trirrr_calibration::{
     read_measurements,
 };
 use trirrr_scene::Scene;
+use trirrr_scene::read::files::{self, LONGEST_TABLE};
 
 /// Files that are written for a calibration.
 struct CalibrateFiles {
@@ -58,6 +59,7 @@ pub fn command(args: &CalibrateArgs, stop: &AtomicBool) -> Result<(), CliError> 
     // A table that cannot be read is told before the workspace is proven.
     let rows = args.measurements.as_ref().map(|file| read(file, args));
     let rows = rows.transpose()?;
+    let mut results = results(&scene, args)?;
     let region = region(&scene, args)?;
     let setup = args.setup();
     let places = region.safe.poses();
@@ -84,12 +86,6 @@ pub fn command(args: &CalibrateArgs, stop: &AtomicBool) -> Result<(), CliError> 
         _ => None,
     };
 
-    let folder = match &args.out {
-        Some(folder) => folder.clone(),
-        None => Path::new("out").join(format!("{}-calibration", scene.name)),
-    };
-    let mut results = ResultFolder::create(&folder, "calibrate")?;
-    results.begin()?;
     let mut written = CalibrateFiles {
         files: Vec::new(),
         refusal: None,
@@ -105,37 +101,54 @@ pub fn command(args: &CalibrateArgs, stop: &AtomicBool) -> Result<(), CliError> 
     if let Some(calibration) = &calibration {
         let (patched, offsets_in) = patch(&scene, args, calibration)?;
         written.offsets_in = offsets_in;
-        let copies = patched.write(&folder, &text::head(calibration, args, offsets_in))?;
+        let copies = patched.write(&mut results, &text::head(calibration, args, offsets_in))?;
         written.files.extend(copies.files);
         written.refusal = copies.refusal;
         let table = text::residuals(calibration);
-        written.files.push(write(&folder, "residuals.csv", &table)?);
+        written.files.push(results.write("residuals.csv", table)?);
         let figures = CalibrationFigures {
             name: &scene.name,
             rows: &calibration.rows,
         };
-        let drawn = figures.write_all(&folder);
-        written
-            .files
-            .extend(drawn.map_err(|error| unwritable(&error.path, &error.source))?);
+        written.files.extend(figures.write_all(&mut results)?);
     }
     if let Some(next) = &next {
-        written
-            .files
-            .push(write(&folder, "poses.csv", &next.table(args.dwell))?);
-        written
-            .files
-            .push(write(&folder, "measurements-next.csv", &next.form(args))?);
+        for (name, table) in [(POSES, next.table(args.dwell)), (FORM, next.form(args))] {
+            written.files.push(results.write(name, table)?);
+        }
     }
     let json = format!("{:#}\n", text::as_json(&findings, &written));
     written
         .files
-        .push(write(&folder, "calibration.json", &json)?);
-    results.end(&written.files, Ok(()))?;
+        .push(results.write("calibration.json", json.as_str())?);
+    results.end(Ok(()))?;
     match args.json {
         true => print(&json),
         false => print(&text::summary(&findings, args, &written)),
     }
+}
+
+/// Tables of a proposal: the poses, and the table to be filled in. They stay until there is another proposal.
+const POSES: &str = "poses.csv";
+const FORM: &str = "measurements-next.csv";
+
+/// Takes the folder for the results, before the work begins and before a board is changed.
+fn results(scene: &Scene, args: &CalibrateArgs) -> Result<ResultFolder, CliError> {
+    let folder = match &args.out {
+        Some(folder) => folder.clone(),
+        None => Path::new("out").join(format!("{}-calibration", scene.name)),
+    };
+    let mut results = ResultFolder::of(&folder, "calibrate")?;
+    results.claim(["calibration.json"])?;
+    if args.measurements.is_some() {
+        results.claim(["residuals.csv", "residuals.svg", "vectors.svg"])?;
+        results.claim(PatchedScene::names(scene, &args.scene))?;
+    }
+    match args.propose {
+        Some(_) => results.claim([POSES, FORM])?,
+        None => results = results.keeping(&[POSES, FORM]),
+    }
+    Ok(results)
 }
 
 fn read(file: &Path, args: &CalibrateArgs) -> Result<Vec<MeasuredRow>, CliError> {
@@ -149,9 +162,7 @@ fn read(file: &Path, args: &CalibrateArgs) -> Result<Vec<MeasuredRow>, CliError>
 /// Refused: the file cannot be read, or is no text.
 pub(crate) fn text_file(file: &Path) -> Result<String, CliError> {
     let refused = |reason: String| CliError::Refused(format!("{}: {reason}", file.display()));
-    let bytes = std::fs::read(file).map_err(|error| refused(format!("cannot be read: {error}")))?;
-    String::from_utf8(bytes)
-        .map_err(|_| refused("is no text in UTF-8; export it as CSV in UTF-8".into()))
+    files::text_in(file, LONGEST_TABLE).map_err(|error| refused(format!("cannot be read: {error}")))
 }
 
 /// A refusal with the file before each of its lines.

@@ -1,10 +1,11 @@
 //! A calibration as text, JSON and a table.
 
 use super::board::CalibratedBoard;
-use super::{CalibrateArgs, CalibrateFiles, Findings};
+use super::{CalibrateArgs, CalibrateFiles, Findings, POSES};
 use crate::terminal::digits;
 use serde_json::{Value, json};
 use std::fmt::Write;
+use std::path::{Path, PathBuf};
 use trirrr_calibration::{
     Calibration, DeviceReading, JudgedRow, PoseError, ResidualSize, is_angle, parameter_name,
 };
@@ -124,15 +125,10 @@ pub(super) fn summary(
             length(proposal.before.rms_m),
             length(proposal.after.rms_m)
         );
-        let folder = args
-            .out
-            .as_ref()
-            .map_or("out/...".into(), |out| out.display().to_string());
-        let _ = writeln!(
-            text,
-            "              trirrr run {folder}/poses.csv --machine {}",
-            args.scene.display()
-        );
+        let poses = written.files.iter().find(|file| file.ends_with(POSES));
+        let poses = poses.map_or(Path::new(POSES), PathBuf::as_path).display();
+        let machine = args.scene.display();
+        let _ = writeln!(text, "              trirrr run {poses} --machine {machine}");
     }
     for file in &written.files {
         let _ = writeln!(text, "  wrote       {}", file.display());

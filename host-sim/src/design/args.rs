@@ -50,7 +50,7 @@ pub struct DesignArgs {
     /// Cells along the longer side of the map
     #[arg(long, value_name = "COUNT", default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=2048))]
     pub cells: u32,
-    /// Folder for what is written, made if missing; results of an earlier command go [default: out/NAME-design]
+    /// Folder for what is written, made if missing; those of an earlier run go [default: out/NAME-design]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print design.json, or study.json, in place of the summary

@@ -13,7 +13,7 @@ mod text;
 pub use args::{DesignArgs, StudyArgs};
 
 use crate::failure::CliError;
-use crate::results::{ResultFolder, write_text as write};
+use crate::results::ResultFolder;
 use crate::terminal::print;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -36,11 +36,9 @@ fn report(args: &DesignArgs) -> Result<(), CliError> {
         Some(folder) => folder.clone(),
         None => Path::new("out").join(format!("{}-design", study.scene.name)),
     };
-    let mut results = ResultFolder::create(&folder, "design")?;
-    results.begin()?;
+    let mut results = ResultFolder::of(&folder, "design")?.with_pictures(args.pictures.png);
     let json = text::as_json(&study, args);
     let json = format!("{json:#}\n");
-    let mut files = Vec::new();
     let mut figures: Vec<(&'static str, String)> = Vec::new();
     for (name, drawn) in figures::all(&study) {
         let drawn = drawn.map_err(|error| {
@@ -50,26 +48,16 @@ fn report(args: &DesignArgs) -> Result<(), CliError> {
     }
     figures.extend(motor_figures::all(&study));
     for (name, drawn) in &figures {
-        files.push(write(&folder, &format!("{name}.svg"), drawn)?);
+        results.write(&format!("{name}.svg"), drawn.as_str())?;
     }
-    let pictures = args.pictures.beside(&files)?;
-    files.extend(pictures);
-    files.push(write(&folder, "design.json", &json)?);
-    files.push(write(&folder, "map.csv", &text::map_table(&study))?);
-    let heading = &study.scene.name;
-    files.push(write(
-        &folder,
-        "animation.html",
-        &study.animation.page(heading),
-    )?);
-    files.push(write(
-        &folder,
-        "report.html",
-        &page::html(&study, args, &figures),
-    )?);
-    results.end(&files, Ok(()))?;
+    results.pictures()?;
+    results.write("design.json", json.as_str())?;
+    results.write("map.csv", text::map_table(&study))?;
+    results.write("animation.html", study.animation.page(&study.scene.name))?;
+    results.write("report.html", page::html(&study, args, &figures))?;
+    results.end(Ok(()))?;
     match args.json {
         true => print(&json),
-        false => print(&text::summary(&study, args, &files)),
+        false => print(&text::summary(&study, args, &results.files())),
     }
 }

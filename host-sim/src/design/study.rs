@@ -17,6 +17,7 @@ use trirrr_design::motors::{Candidate, CatalogueMotor, JobLoad, SHIPPED, read_ca
 use trirrr_design::ratios::{self, RatioInstant};
 use trirrr_design::reactions::{self, JobReactions};
 use trirrr_design::workspace::{CellGrid, Conditions, Workspace};
+use trirrr_scene::read::files::{self, LONGEST_TABLE};
 use trirrr_scene::record::Record;
 use trirrr_scene::{JobPlayer, Scene, pipeline};
 
@@ -299,7 +300,7 @@ fn catalogue(args: &DesignArgs) -> Result<Vec<CatalogueMotor>, CliError> {
         None => ("the shipped catalogue".into(), SHIPPED.to_owned()),
         Some(file) => {
             let name = file.display().to_string();
-            let text = std::fs::read_to_string(file)
+            let text = files::text_in(file, LONGEST_TABLE)
                 .map_err(|error| CliError::Refused(format!("{name}: cannot be read: {error}")))?;
             (name, text)
         }

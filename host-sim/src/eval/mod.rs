@@ -7,10 +7,9 @@ pub use trirrr_batch::table::RowCounts;
 
 use crate::failure::CliError;
 use crate::results::replace;
-use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
-use std::path::Path;
 use trirrr_batch::table::{Cases, TableError, TableFormat};
+use trirrr_scene::read::files;
 use trirrr_scene::{NumberType, visible};
 
 /// `trirrr eval`: evaluates the table and says on standard error how many rows have numbers.
@@ -23,7 +22,7 @@ pub fn command(args: &EvalArgs) -> Result<(), CliError> {
     let failed = |error| failure(&name, error);
     let format = TableFormat::of(&args.cases)
         .map_err(|error| CliError::Refused(format!("{name}: {error}")))?;
-    let input = File::open(&args.cases)
+    let input = files::open(&args.cases)
         .map_err(|error| CliError::Refused(format!("{name}: cannot be read: {error}")))?;
     let cases = match format {
         TableFormat::Csv => Cases::csv(input),
@@ -39,8 +38,9 @@ pub fn command(args: &EvalArgs) -> Result<(), CliError> {
         Some(out) => {
             let format = TableFormat::of(out)
                 .map_err(|error| CliError::Refused(format!("--out {}: {error}", out.display())))?;
-            refuse_same_file(&args.cases, out)?;
-            replace(out, |file| evaluate(format, &mut BufWriter::new(file)))
+            replace("eval", out, |file| {
+                evaluate(format, &mut BufWriter::new(file))
+            })
         }
     }?;
     // Who closes the pipe has seen enough: the counts are not those of the table.
@@ -51,17 +51,6 @@ pub fn command(args: &EvalArgs) -> Result<(), CliError> {
     let (ok, rows) = (counts.ok, counts.rows);
     let _ = writeln!(io::stderr(), "{}: {ok} of {rows} rows ok", visible(&name));
     Ok(())
-}
-
-/// The results would replace the cases while they are read.
-fn refuse_same_file(cases: &Path, out: &Path) -> Result<(), CliError> {
-    match (cases.canonicalize(), out.canonicalize()) {
-        (Ok(cases), Ok(target)) if cases == target => Err(CliError::Refused(format!(
-            "--out {}: is the table of cases itself",
-            out.display()
-        ))),
-        _ => Ok(()),
-    }
 }
 
 /// Failure of the table called `name`.

@@ -9,7 +9,7 @@ mod urdf;
 pub use args::{ExportArgs, ExportFormat};
 
 use crate::failure::CliError;
-use crate::recording::new_file;
+use crate::results::write_new;
 use crate::terminal::print;
 use machine::ExportedMachine;
 use std::path::PathBuf;
@@ -31,7 +31,7 @@ pub fn command(args: &ExportArgs) -> Result<(), CliError> {
         Some(file) => file.clone(),
         None => PathBuf::from(format!("{}.{}", machine.name, args.format.ending())),
     };
-    new_file(&file, &text)?;
+    write_new(&file, text.as_bytes())?;
     let notes = machine.notes(args.format);
     print(&format!("wrote {}\n{notes}", file.display()))
 }

@@ -1,7 +1,8 @@
 //! Figures of a calibration: residuals of the rows before and after, over the rows and in the plane.
 
-use super::{FigureError, save};
-use std::path::{Path, PathBuf};
+use crate::failure::CliError;
+use crate::results::ResultFolder;
+use std::path::PathBuf;
 use trirrr_calibration::{DeviceReading, JudgedRow};
 use trirrr_figures::canvas::{CENTRED, Drawn, RIGHT_OF, Size, page};
 use trirrr_figures::panel::{Curve, Panel, draw_over};
@@ -25,15 +26,15 @@ pub struct CalibrationFigures<'a> {
 }
 
 impl CalibrationFigures<'_> {
-    /// Draws everything into `folder`, which must exist; the files written.
+    /// Draws everything into the folder of `results`; the files written.
     ///
     /// # Errors
-    /// The file that could not be written, and why.
-    pub fn write_all(&self, folder: &Path) -> Result<Vec<PathBuf>, FigureError> {
-        let mut files = vec![save(folder.join("residuals.svg"), self.over_rows())?];
+    /// Failed: a file that cannot be drawn or written.
+    pub fn write_all(&self, results: &mut ResultFolder) -> Result<Vec<PathBuf>, CliError> {
+        let mut files = vec![results.figure("residuals.svg", self.over_rows())?];
         let places = self.places();
         if !places.is_empty() {
-            files.push(save(folder.join("vectors.svg"), self.in_plane(&places))?);
+            files.push(results.figure("vectors.svg", self.in_plane(&places))?);
         }
         Ok(files)
     }

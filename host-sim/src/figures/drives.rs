@@ -1,7 +1,8 @@
 //! Figure of the drives: how far the platform is off by what they measure, and what pushes it.
 
-use super::{FigureError, save};
-use std::path::{Path, PathBuf};
+use crate::failure::CliError;
+use crate::results::ResultFolder;
+use std::path::PathBuf;
 use trirrr_client::drive_records::DriveRecord;
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, Panel, draw};
@@ -14,6 +15,9 @@ pub struct DriveTraces {
 }
 
 impl DriveTraces {
+    /// Name of the figure.
+    pub const FILE: &str = "drives.svg";
+
     /// For about `rows` samples, of a scene with or without `torque`.
     pub fn new(rows: u64, torque: bool) -> Self {
         Self {
@@ -29,11 +33,11 @@ impl DriveTraces {
         self.points.push(record.t, [off, x, y, moment]);
     }
 
-    /// Draws `drives.svg` into `folder`, which must exist; the file written.
+    /// Draws `drives.svg` into the folder of `results`; the file written.
     ///
     /// # Errors
-    /// The file could not be written, and why.
-    pub fn write(self, folder: &Path, heading: &str) -> Result<PathBuf, FigureError> {
+    /// Failed: the file cannot be drawn or written.
+    pub fn write(self, results: &mut ResultFolder, heading: &str) -> Result<PathBuf, CliError> {
         let points = self.points.finish();
         let panel = |quantity, unit, labels: &[(&'static str, RGBColor, usize)]| Panel {
             quantity,
@@ -58,6 +62,6 @@ impl DriveTraces {
             panels.push(panel("estimated moment", "N m", &moment));
         }
         let drawn = draw(&format!("{heading}: what the drives measure"), &panels);
-        save(folder.join("drives.svg"), drawn)
+        results.figure(Self::FILE, drawn)
     }
 }

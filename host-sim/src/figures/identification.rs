@@ -1,22 +1,23 @@
 //! Figure of an identification: torques of the motors, measured and by the parameters.
 
-use super::{FigureError, save};
-use std::path::{Path, PathBuf};
+use crate::failure::CliError;
+use crate::results::ResultFolder;
+use std::path::PathBuf;
 use trirrr_calibration::identify::ExplainedTorque;
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, Panel, draw};
 
 const MOTORS: [&str; 3] = ["torque 1", "torque 2", "torque 3"];
 
-/// Draws `torques` of the machine `name` into `folder`, which must exist; the file written.
+/// Draws `torques` of the machine `name` into the folder of `results`; the file written.
 ///
 /// # Errors
-/// The file that could not be written, and why.
+/// Failed: a file that cannot be drawn or written.
 pub fn write_torques(
-    folder: &Path,
+    results: &mut ResultFolder,
     name: &str,
     torques: &[ExplainedTorque],
-) -> Result<PathBuf, FigureError> {
+) -> Result<PathBuf, CliError> {
     let panel = |(motor, quantity): (usize, &&'static str)| {
         let own = torques.iter().filter(|torque| torque.motor == motor);
         let mut points = Decimator::<3>::new(torques.len() as u64 / 3 + 1);
@@ -45,5 +46,5 @@ pub fn write_torques(
     };
     let panels: Vec<Panel> = MOTORS.iter().enumerate().map(panel).collect();
     let title = format!("{name}: torques, measured and by the parameters");
-    save(folder.join("torques.svg"), draw(&title, &panels))
+    results.figure("torques.svg", draw(&title, &panels))
 }

@@ -33,24 +33,34 @@ pub(crate) use refused::RefusedJob;
 pub use tolerances::ToleranceTraces;
 pub use traces::{MotorCurves, Traces};
 
-use std::io;
-use std::path::{Path, PathBuf};
+use crate::failure::CliError;
+use crate::results::ResultFolder;
+use std::path::PathBuf;
 use trirrr_figures::canvas::Drawn;
 
-/// Draws everything into `folder`, which must exist, and returns the files written, in order, and the curves of the motors.
+/// Names of the files that [`write_all`] writes, for a scene with `torque` or without.
+pub fn names(torque: bool) -> impl Iterator<Item = &'static str> {
+    let over_time = catalogue::figures(torque).map(|figure| figure.file);
+    over_time.chain(["machine.svg", "path.svg", ANIMATION])
+}
+
+/// Name of the animation's page.
+const ANIMATION: &str = "animation.html";
+
+/// Draws everything into the folder of `results`, and returns the files written, in order, and the curves of the motors.
 ///
 /// `heading` begins every title: the scene's name, and where the run ended early, when.
 ///
 /// # Errors
-/// The file that could not be written, and why.
+/// Failed: a file that cannot be drawn or written.
 pub fn write_all(
-    folder: &Path,
+    results: &mut ResultFolder,
     heading: &str,
     mut traces: Traces,
-) -> Result<(Vec<PathBuf>, MotorCurves), FigureError> {
+) -> Result<(Vec<PathBuf>, MotorCurves), CliError> {
     let mut written = Vec::new();
-    let mut add = |file: &str, drawn: Drawn| {
-        written.push(save(folder.join(file), drawn)?);
+    let mut add = |file: &str, drawn: Drawn| -> Result<(), CliError> {
+        written.push(results.figure(file, drawn)?);
         Ok(())
     };
     let panels = traces.panels();
@@ -65,25 +75,6 @@ pub fn write_all(
     let title = format!("{heading}: the machine and its path");
     add("machine.svg", machine::draw(&title, &scenery))?;
     add("path.svg", coloured_path::draw(heading, &path))?;
-    add("animation.html", Ok(animation.page(heading)))?;
+    add(ANIMATION, Ok(animation.page(heading)))?;
     Ok((written, motors))
-}
-
-/// Writes a figure to `path`, and returns that.
-fn save(path: PathBuf, drawn: Drawn) -> Result<PathBuf, FigureError> {
-    drawn
-        .map_err(|error| io::Error::other(error.to_string()))
-        .and_then(|svg| std::fs::write(&path, svg))
-        .map(|()| path.clone())
-        .map_err(|source| FigureError { path, source })
-}
-
-/// A figure that could not be drawn or written.
-#[derive(Debug, thiserror::Error)]
-#[error("{}: {source}", path.display())]
-pub struct FigureError {
-    /// The file.
-    pub path: PathBuf,
-    /// Cause.
-    pub source: io::Error,
 }

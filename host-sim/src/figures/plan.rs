@@ -1,7 +1,8 @@
 //! Figure of a plan: speed along the path beside the bound of any motion's speed; alpha where it was chosen.
 
-use super::{FigureError, save};
-use std::path::{Path, PathBuf};
+use crate::failure::CliError;
+use crate::results::ResultFolder;
+use std::path::PathBuf;
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, Panel, draw};
 use trirrr_figures::style::{ANGLE, LIMIT, PATH};
@@ -27,11 +28,11 @@ impl PlanTraces {
         self.values.push(t, values);
     }
 
-    /// Draws the figure into `folder`, which must exist; the file written.
+    /// Draws the figure into the folder of `results`; the file written.
     ///
     /// # Errors
-    /// The file that could not be written, and why.
-    pub fn write(self, folder: &Path, name: &str) -> Result<PathBuf, FigureError> {
+    /// Failed: a file that cannot be drawn or written.
+    pub fn write(self, results: &mut ResultFolder, name: &str) -> Result<PathBuf, CliError> {
         let points = self.values.finish();
         let curve = |index: usize, label: &'static str| Curve {
             label: label.into(),
@@ -59,6 +60,6 @@ impl PlanTraces {
             });
         }
         let drawn = draw(&format!("{name}: the plan and its bound"), &panels);
-        save(folder.join("plan.svg"), drawn)
+        results.figure("plan.svg", drawn)
     }
 }

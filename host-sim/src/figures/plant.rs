@@ -5,13 +5,17 @@ mod path_error;
 use super::catalogue::MOTOR_NAMES;
 use super::marks::{JobMarks, of_motors};
 use super::traces::MotorCurves;
-use super::{FigureError, save};
-use std::path::{Path, PathBuf};
+use crate::failure::CliError;
+use crate::results::ResultFolder;
+use std::path::PathBuf;
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, Panel, draw};
 use trirrr_figures::style::{ANGLE, MOTORS, RGBColor, X, Y};
 use trirrr_plant::motor::wrapped;
 use trirrr_plant::table::Row;
+
+/// Figure of the way of the platform beside that which is asked.
+const PATH_ERROR: &str = "path_error.svg";
 
 /// One panel's curves while they are gathered.
 struct Gathered {
@@ -90,6 +94,12 @@ impl PlantTraces {
         }
     }
 
+    /// Names of the files that [`write_all`](Self::write_all) writes.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        let figures = self.figures.iter().map(|(file, ..)| *file);
+        figures.chain([PATH_ERROR])
+    }
+
     /// Adds the next row.
     pub fn push(&mut self, row: &Row) {
         for (_, _, panels) in &mut self.figures {
@@ -101,17 +111,17 @@ impl PlantTraces {
         self.places.push(row.t, [xd, yd, x, y]);
     }
 
-    /// Draws everything into `folder`, which must exist; the files written. `asked` are the torques and powers of the job, drawn beside
+    /// Draws everything into the folder of `results`; the files written. `asked` are the torques and powers of the job, drawn beside
     /// those of the plant.
     ///
     /// # Errors
-    /// The file that could not be written, and why.
+    /// Failed: a file that cannot be drawn or written.
     pub fn write_all(
         self,
-        folder: &Path,
+        results: &mut ResultFolder,
         heading: &str,
         asked: MotorCurves,
-    ) -> Result<Vec<PathBuf>, FigureError> {
+    ) -> Result<Vec<PathBuf>, CliError> {
         let mut written = Vec::new();
         let limits = &self.marks.limits;
         for (file, title, gathered) in self.figures {
@@ -127,10 +137,10 @@ impl PlantTraces {
                 panel.curves.extend(points.iter().flat_map(ideal));
             }
             let drawn = draw(&format!("{heading}: {title}"), &panels);
-            written.push(save(folder.join(file), drawn)?);
+            written.push(results.figure(file, drawn)?);
         }
         let drawn = path_error::draw(heading, &self.places.finish());
-        written.push(save(folder.join("path_error.svg"), drawn)?);
+        written.push(results.figure(PATH_ERROR, drawn)?);
         Ok(written)
     }
 }

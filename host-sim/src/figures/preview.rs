@@ -1,7 +1,5 @@
 //! Figure of a path before anything moves: its strokes, the ways between them, and the reach of the machine.
 
-use super::{FigureError, save};
-use std::path::{Path, PathBuf};
 use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
 use trirrr_figures::plane::View;
 use trirrr_figures::style::{AREA, FRAME, INK, LIMIT, PATH, RGBColor, faded};
@@ -37,15 +35,8 @@ pub struct Preview<'a> {
 }
 
 impl Preview<'_> {
-    /// Draws the figure into `file`, and returns that.
-    ///
-    /// # Errors
-    /// The file that could not be written, and why.
-    pub fn write(&self, file: &Path) -> Result<PathBuf, FigureError> {
-        save(file.to_owned(), self.draw())
-    }
-
-    fn draw(&self) -> Drawn {
+    /// Draws the figure.
+    pub fn draw(&self) -> Drawn {
         let curves: Vec<_> = self
             .path
             .pieces

@@ -3,9 +3,9 @@
 use super::catalogue::{PanelSource, figures};
 use super::machine::{self, DrawnInstant, Scenery};
 use super::marks::JobMarks;
-use super::{FigureError, save};
 use std::path::{Path, PathBuf};
 use trirrr_core::units::Units;
+use trirrr_figures::canvas::Drawn;
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, LimitLine, Panel, draw};
 use trirrr_scene::record::Record;
@@ -51,11 +51,8 @@ impl<'a> RefusedJob<'a> {
         Some(job)
     }
 
-    /// Draws the curves with the breaches into `file`, and the machine at the first of them into a file beside it; the files written.
-    ///
-    /// # Errors
-    /// The file that could not be written, and why.
-    pub(crate) fn write(&self, file: &Path) -> Result<Vec<PathBuf>, FigureError> {
+    /// Draws the curves with the breaches for `file`, and the machine at the first of them for a file beside it.
+    pub(crate) fn draw(&self, file: &Path) -> [(PathBuf, Drawn); 2] {
         let name = &self.scene.name;
         let limited = figures(self.scene.torque)
             .flat_map(|figure| figure.panels)
@@ -70,7 +67,7 @@ impl<'a> RefusedJob<'a> {
             None if is_broken => format!("{name}, refused: where it breaks limits"),
             None => format!("{name}: what its limits are for"),
         };
-        let mut written = vec![save(file.to_owned(), draw(&title, &panels))?];
+        let curves = draw(&title, &panels);
         let beside = file.with_file_name(format!(
             "{}-machine.svg",
             file.file_stem().unwrap_or_default().to_string_lossy()
@@ -80,8 +77,8 @@ impl<'a> RefusedJob<'a> {
             true => format!("{name}, refused: the machine at its first breach"),
             false => format!("{name}: the machine and its path"),
         };
-        written.push(save(beside, machine::draw(&title, &scenery))?);
-        Ok(written)
+        let machine = machine::draw(&title, &scenery);
+        [(file.to_owned(), curves), (beside, machine)]
     }
 
     fn panel(&self, source: &PanelSource, limits: Vec<LimitLine>) -> Panel {

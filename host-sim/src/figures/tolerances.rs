@@ -1,7 +1,8 @@
 //! Figures of tolerances: the bound of the error at the tool, and the band of each torque.
 
-use super::{FigureError, save};
-use std::path::{Path, PathBuf};
+use crate::failure::CliError;
+use crate::results::ResultFolder;
+use std::path::PathBuf;
 use trirrr_figures::decimate::Decimator;
 use trirrr_figures::panel::{Curve, Panel, draw};
 use trirrr_figures::style::{ANGLE, MOTORS, PATH, RGBColor, X, Y};
@@ -21,7 +22,15 @@ pub struct ToleranceTraces {
     gap: Option<f64>,
 }
 
+/// Names of the figures; the second is of torques.
+const FILES: [&str; 2] = ["tolerances.svg", "torque_band.svg"];
+
 impl ToleranceTraces {
+    /// Names of the figures of a scene with or without `torque`.
+    pub fn names(torque: bool) -> &'static [&'static str] {
+        &FILES[..1 + usize::from(torque)]
+    }
+
     /// For a job of `moves` moves of a scene with or without `torque`.
     pub fn new(moves: usize, torque: bool) -> Self {
         let points = 2 * USUAL_INTERVALS * moves as u64;
@@ -52,11 +61,15 @@ impl ToleranceTraces {
         }
     }
 
-    /// Draws everything into `folder`, which must exist; the files written.
+    /// Draws everything into the folder of `results`; the files written.
     ///
     /// # Errors
-    /// The file that could not be written, and why.
-    pub fn write_all(self, folder: &Path, name: &str) -> Result<Vec<PathBuf>, FigureError> {
+    /// Failed: a file that cannot be drawn or written.
+    pub fn write_all(
+        self,
+        results: &mut ResultFolder,
+        name: &str,
+    ) -> Result<Vec<PathBuf>, CliError> {
         let heading = match self.gap {
             Some(t) => format!("{name} until t = {t} s, where no bound is proven"),
             None => name.into(),
@@ -77,7 +90,7 @@ impl ToleranceTraces {
             curve(2, "y", Y),
         ];
         let mut figures = vec![(
-            "tolerances.svg",
+            FILES[0],
             "bound of the error at the tool",
             vec![
                 panel("position", "m", true, position),
@@ -95,11 +108,11 @@ impl ToleranceTraces {
                 panel(quantity, "N m", false, curves.into())
             };
             let panels = TORQUES.iter().enumerate().map(band).collect();
-            figures.push(("torque_band.svg", "bounds of the motors' torques", panels));
+            figures.push((FILES[1], "bounds of the motors' torques", panels));
         }
         let write = |(file, title, panels): (&str, &str, Vec<Panel>)| {
             let drawn = draw(&format!("{heading}: {title}"), &panels);
-            save(folder.join(file), drawn)
+            results.figure(file, drawn)
         };
         figures.into_iter().map(write).collect()
     }

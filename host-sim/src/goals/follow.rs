@@ -4,10 +4,10 @@ use super::args::FollowArgs;
 use super::lines::{is_skipped, listen, numbers, standard_input};
 use super::session::{GoalSession, GoalSi, Goals};
 use crate::failure::CliError;
-use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::Duration;
+use trirrr_scene::read::files;
 use trirrr_service::ServiceNumber;
 
 /// Poses as they come, or one after the other in time.
@@ -26,7 +26,7 @@ impl Poses {
         let lines = match &args.poses {
             None => listen(standard_input),
             Some(path) => {
-                let file = File::open(path)
+                let file = files::open(path)
                     .map_err(|error| CliError::Refused(format!("{}: {error}", path.display())))?;
                 listen(move || -> Box<dyn BufRead> { Box::new(BufReader::new(file)) })
             }

@@ -51,7 +51,7 @@ pub struct IdentifyArgs {
     /// Rate of a joint from which on it slides for certain, rad/s
     #[arg(long, value_name = "RAD_S", default_value_t = 0.05, value_parser = positive)]
     pub sliding: f64,
-    /// Folder for what is written, made if missing; results of an earlier command go [default: out/NAME-identification]
+    /// Folder for what is written, made if missing; those of an earlier run go [default: out/NAME-identification]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Print identification.json in place of the summary

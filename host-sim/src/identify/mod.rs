@@ -9,8 +9,7 @@ pub use args::{IdentifyArgs, MotionSource};
 use crate::calibrate::{of_lines, text_file};
 use crate::failure::CliError;
 use crate::figures::write_torques;
-use crate::recording::unwritable;
-use crate::results::{ResultFolder, write_text as write};
+use crate::results::ResultFolder;
 use crate::terminal::print;
 use patch::patch;
 use std::path::{Path, PathBuf};
@@ -56,8 +55,7 @@ pub fn command(args: &IdentifyArgs) -> Result<(), CliError> {
         Some(folder) => folder.clone(),
         None => Path::new("out").join(format!("{}-identification", scene.name)),
     };
-    let mut results = ResultFolder::create(&folder, "identify")?;
-    results.begin()?;
+    let mut results = ResultFolder::of(&folder, "identify")?;
     let mut written = IdentifyFiles {
         files: Vec::new(),
         refusal: None,
@@ -66,21 +64,19 @@ pub fn command(args: &IdentifyArgs) -> Result<(), CliError> {
     if found.impossible.is_empty() {
         let (patched, friction_in) = patch(&scene, args, &found)?;
         written.friction_in = friction_in;
-        let copies = patched.write(&folder, &text::head(&found, args, friction_in))?;
+        let copies = patched.write(&mut results, &text::head(&found, args, friction_in))?;
         written.files.extend(copies.files);
         written.refusal = copies.refusal;
     } else {
         written.refusal = Some("not written: bodies that cannot be".into());
     }
-    let drawn = write_torques(&folder, &scene.name, &found.torques);
-    written
-        .files
-        .push(drawn.map_err(|error| unwritable(&error.path, &error.source))?);
+    let drawn = write_torques(&mut results, &scene.name, &found.torques)?;
+    written.files.push(drawn);
     let json = format!("{:#}\n", text::as_json(&scene, &found, &written));
     written
         .files
-        .push(write(&folder, "identification.json", &json)?);
-    results.end(&written.files, Ok(()))?;
+        .push(results.write("identification.json", json.as_str())?);
+    results.end(Ok(()))?;
     match args.json {
         true => print(&json),
         false => print(&text::summary(&scene, &found, &written)),

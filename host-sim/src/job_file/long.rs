@@ -8,6 +8,7 @@ use trirrr_core::setpoint::Pose;
 use trirrr_jobs::{PathReader, PathSink, TOLERANCE_M, TOLERANCE_RAD};
 use trirrr_plan::corner::CornerRounding;
 use trirrr_plan::course::PathPiece;
+use trirrr_scene::read::files;
 use trirrr_scene::{BlockCutter, Dwell, PathBlock, PathOutputs, Tool};
 use trirrr_toolpath::PathFault;
 use trirrr_toolpath::gcode::{self, GcodeFile, GcodeSetup};
@@ -48,7 +49,7 @@ impl LongPath {
     }
 
     fn open(&self) -> Result<GcodeFile<BufReader<File>>, PathFault> {
-        let file = File::open(&self.file).map_err(|error| PathFault {
+        let file = files::open(&self.file).map_err(|error| PathFault {
             line: 0,
             word: String::new(),
             reason: format!("cannot be read once more: {error}"),

@@ -18,12 +18,15 @@ use read::{JobKind, ReadWay};
 pub(crate) use queue::{QueuedJob, load_queue};
 
 use crate::failure::CliError;
-use crate::figures::{FigureError, Preview, RefusedJob};
-use crate::recording::unwritable;
+use crate::figures::{Preview, RefusedJob};
+use crate::results::{unwritable, write_named};
 use crate::terminal::say;
 use indicatif::{ProgressBar, ProgressStyle};
-use std::path::Path;
+use std::io;
+use std::path::{Path, PathBuf};
+use trirrr_figures::canvas::Drawn;
 use trirrr_jobs::{JobRefusal, breach, job_scene};
+use trirrr_scene::read::files::is_stream;
 use trirrr_scene::{JobPath, ReachMap, Scene, Unplanned, UntakenJob};
 use trirrr_toolpath::PathFault;
 
@@ -96,9 +99,11 @@ pub(crate) fn load_drawn(
     moves: LongMoves,
     figure: Option<&Path>,
 ) -> Result<LoadedJob, CliError> {
+    // A pipe has no name that tells: with a machine of its own it is a job.
     let is_scene = file
         .extension()
-        .is_some_and(|extension| extension == "toml");
+        .is_some_and(|extension| extension == "toml")
+        || args.machine.is_none() && is_stream(file);
     match &args.machine {
         None if is_scene => {
             let Some(figure) = figure else {
@@ -202,14 +207,21 @@ fn draw(file: &Path, scene: &Scene, figure: &Path) -> Result<(), CliError> {
         ));
         return Ok(());
     };
-    for file in job.write(figure).map_err(failed)? {
+    write_figures(job.draw(figure))
+}
+
+/// Writes the figures that a check is asked for.
+fn write_figures(figures: impl IntoIterator<Item = (PathBuf, Drawn)>) -> Result<(), CliError> {
+    let drawn = figures.into_iter().map(|(file, drawn)| match drawn {
+        Ok(svg) => Ok((file, svg)),
+        Err(error) => Err(unwritable(&file, &io::Error::other(error.to_string()))),
+    });
+    let files = drawn.collect::<Result<Vec<_>, _>>()?;
+    write_named("check", &files)?;
+    for (file, _) in files {
         say(&format!("wrote {}", file.display()));
     }
     Ok(())
-}
-
-fn failed(error: FigureError) -> CliError {
-    unwritable(&error.path, &error.source)
 }
 
 /// Draws the path on the machine of `scene` into `file`.
@@ -228,7 +240,5 @@ fn preview(
         reach: &reach,
         breach,
     };
-    let file = drawn.write(file).map_err(failed)?;
-    say(&format!("wrote {}", file.display()));
-    Ok(())
+    write_figures([(file.to_owned(), drawn.draw())])
 }

@@ -12,7 +12,8 @@ pub(crate) struct QueuedJob {
 }
 
 /// Reads and plans `first` and the jobs `then` behind it: what is wrong with one is known before another one is played.
-/// Results go into `out`, of several jobs each into a folder in it; by default into `out/NAME`.
+/// Results go into `out`, of several jobs each into a folder in it; by default into
+/// `out/NAME` with `ending`, which is that of the command.
 ///
 /// # Errors
 /// Refused: one of them as [`load`] refuses it, or two that would write into one folder.
@@ -22,6 +23,7 @@ pub(crate) fn load_queue(
     args: &JobFileArgs,
     moves: LongMoves,
     out: Option<&Path>,
+    ending: &str,
 ) -> Result<Vec<QueuedJob>, CliError> {
     let mut jobs: Vec<QueuedJob> = Vec::new();
     for file in std::iter::once(first).chain(then.iter().map(PathBuf::as_path)) {
@@ -30,7 +32,7 @@ pub(crate) fn load_queue(
         let folder = match out {
             Some(folder) if then.is_empty() => folder.to_owned(),
             Some(folder) => folder.join(name),
-            None => Path::new("out").join(name),
+            None => Path::new("out").join(format!("{name}{ending}")),
         };
         if let Some(other) = jobs.iter().find(|other| other.folder == folder) {
             return Err(CliError::Refused(format!(

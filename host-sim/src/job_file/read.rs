@@ -5,13 +5,14 @@ use super::long::LongPath;
 use super::{JobFileArgs, LongMoves};
 use crate::failure::CliError;
 use crate::terminal::say;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::Path;
 use trirrr_jobs::{
     ElementPlaces, JobOptions, PathBuilder, PlacesIn, ReadJob, drawing_job, finish_job, gcode_job,
     gcode_setup, table_job, too_often,
 };
+use trirrr_scene::read::files::{self, LONGEST_TABLE};
 use trirrr_scene::{JobPath, NumberType, Scene};
 use trirrr_toolpath::PathFault;
 use trirrr_toolpath::drawing::{read_dxf, read_svg};
@@ -109,12 +110,12 @@ pub(super) fn read(
         );
         return Err(CliError::Refused(reason));
     }
-    let bytes = || fs::read(file).map_err(refused);
-    let text = || fs::read_to_string(file).map_err(refused);
+    let bytes = || files::bytes_of(file, LONGEST_TABLE).map_err(refused);
+    let text = || files::text_in(file, LONGEST_TABLE).map_err(refused);
     let options = args.options();
     Ok(match kind {
         JobKind::Gcode => {
-            let open = File::open(file).map_err(refused)?;
+            let open = files::open(file).map_err(refused)?;
             // A pipe is read once.
             let is_file = open.metadata().is_ok_and(|metadata| metadata.is_file());
             match moves == LongMoves::InFile && is_file && can_spool(machine) {

@@ -9,7 +9,7 @@ use clap::Args;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use trirrr_linkage::assur::{ArmBranch, ArmError, EndMotion, Linkage, SerialArm, write_inverse};
+use trirrr_linkage::assur::{ArmBranch, ArmError, EndMotion, Linkage, SerialArm, inverse_files};
 
 /// Motion of the end link of a serial arm.
 #[derive(Args, Clone, Copy, Debug, Default)]
@@ -84,14 +84,14 @@ pub(super) fn command(
         Some(folder) => folder.clone(),
         None => Path::new("out").join(format!("{}-inverse", linkage.name)),
     };
-    let mut results = ResultFolder::create(&folder, "linkage")?;
-    results.begin()?;
-    let files = write_inverse(linkage, &arm, &branches, &folder)
-        .map_err(|error| CliError::Failed(error.to_string()))?;
-    results.end(&files, Ok(()))?;
+    let mut results = ResultFolder::of(&folder, "linkage --inverse")?;
+    for (name, drawn) in inverse_files(linkage, &arm, &branches) {
+        results.figure(name, drawn)?;
+    }
+    results.end(Ok(()))?;
     match args.json {
         true => print(&format!("{:#}\n", as_json(linkage, &arm, end, &branches))),
-        false => print(&text(linkage, &arm, end, &branches, &files)),
+        false => print(&text(linkage, &arm, end, &branches, &results.files())),
     }
 }
 

@@ -11,7 +11,7 @@ use crate::results::ResultFolder;
 use crate::terminal::print;
 use clap::Args;
 use std::path::{Path, PathBuf};
-use trirrr_linkage::assur::{Linkage, header, stopped, study, summary, track, write};
+use trirrr_linkage::assur::{Linkage, files, header, stopped, study, summary, track};
 
 /// `trirrr linkage`.
 ///
@@ -37,7 +37,7 @@ pub struct LinkageArgs {
     /// Print one JSON object in place of the summary
     #[arg(long)]
     pub json: bool,
-    /// Folder for what is written, made if missing; results of an earlier command go
+    /// Folder for what is written, made if missing; those of an earlier run go
     /// [default: out/NAME, after the linkage's name]
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
@@ -66,23 +66,23 @@ pub fn command(args: &LinkageArgs) -> Result<(), CliError> {
         None => Path::new("out").join(&linkage.name),
     };
     let track = track(&linkage);
-    let mut results = ResultFolder::create(&folder, "linkage")?;
+    let mut results = ResultFolder::of(&folder, "linkage")?.with_pictures(args.pictures.png);
+    if !track.positions.is_empty() {
+        for (name, drawn) in files(&linkage, &track) {
+            results.figure(name, drawn)?;
+        }
+        results.pictures()?;
+    }
     // No position is a result too: those of an earlier linkage must not stand for it.
     results.begin()?;
-    let mut files = if track.positions.is_empty() {
-        Vec::new()
-    } else {
-        write(&linkage, &track, &folder).map_err(|error| CliError::Failed(error.to_string()))?
-    };
-    files.extend(args.pictures.beside(&files)?);
     let why = track.stop.as_ref().map(|stop| stopped(&linkage, stop));
-    results.end(&files, why.as_deref().map_or(Ok(()), Err))?;
+    results.end(why.as_deref().map_or(Ok(()), Err))?;
     let figures = study(&linkage, &track);
     let text = match args.json {
         true => format!("{:#}\n", json::as_json(&linkage, &track, &figures)),
         false => {
             let head = header(&args.file.display().to_string(), &linkage);
-            head + &summary(&linkage, &track, &figures, &files)
+            head + &summary(&linkage, &track, &figures, &results.files())
         }
     };
     print(&text)?;

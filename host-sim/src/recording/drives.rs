@@ -1,9 +1,8 @@
 //! `drives.csv` and its figure: what the drives tell, beside what they are told.
 
-use super::unwritable;
 use crate::failure::CliError;
 use crate::figures::DriveTraces;
-use crate::results::ResultFolder;
+use crate::results::{ResultFolder, unwritable};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
@@ -16,7 +15,6 @@ use trirrr_scene::words::short;
 /// Writes the samples of the drives of one job.
 pub struct DriveRecorder<N: Transmit> {
     samples: DriveSamples<N>,
-    folder: PathBuf,
     path: PathBuf,
     table: BufWriter<File>,
     traces: DriveTraces,
@@ -65,13 +63,13 @@ impl<N: Transmit> DriveRecorder<N> {
             return Ok(None);
         };
         let (path, file) = results.table("drives.csv")?;
+        results.claim([DriveTraces::FILE])?;
         let mut table = BufWriter::new(file);
         writeln!(table, "{}", DriveRecord::COLUMNS).map_err(|error| unwritable(&path, &error))?;
         let rows = u64::from(scene.ticks()) / u64::from(every.max(1)) + 1;
         let force_n = scene.torque.then_some(0.0);
         Ok(Some(Self {
             samples,
-            folder: results.path().into(),
             path,
             table,
             traces: DriveTraces::new(rows, scene.torque),
@@ -110,18 +108,21 @@ impl<N: Transmit> DriveRecorder<N> {
         Ok(())
     }
 
-    /// Ends the table and draws the figure. `name` begins the title. Without a sample there are no files.
+    /// Ends the table and draws the figure into the folder of `results`. `name` begins the title. Without a sample there are no files.
     ///
     /// # Errors
     /// Failed: a file cannot be written.
-    pub fn finish(mut self, name: &str) -> Result<RecordedDrives, CliError> {
+    pub fn finish(
+        mut self,
+        results: &mut ResultFolder,
+        name: &str,
+    ) -> Result<RecordedDrives, CliError> {
         self.table
             .flush()
             .map_err(|error| unwritable(&self.path, &error))?;
         let mut files = vec![self.path];
         if self.peaks.rows > 0 {
-            let figure = self.traces.write(&self.folder, name);
-            files.push(figure.map_err(|error| unwritable(&error.path, &error.source))?);
+            files.push(self.traces.write(results, name)?);
         }
         Ok(RecordedDrives {
             peaks: self.peaks,

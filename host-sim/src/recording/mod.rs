@@ -12,11 +12,11 @@ use crate::failure::CliError;
 use crate::figures;
 use crate::figures::{JobMarks, MotorCurves, Traces};
 use crate::lagrange::{LagrangeColumns, LagrangeFound};
-use crate::results::ResultFolder;
+use crate::results::{ResultFolder, unwritable};
 use load::LoadMeter;
 use std::fs::File;
-use std::io::{BufWriter, ErrorKind, Write};
-use std::path::{Path, PathBuf};
+use std::io::{BufWriter, Write};
+use std::path::PathBuf;
 use trirrr_scene::record::{Record, tick_columns};
 
 /// Writes the records of one job.
@@ -53,7 +53,15 @@ pub struct Recorded {
     pub motors: MotorCurves,
 }
 
+/// Table of the ticks.
+const TABLE: &str = "ticks.csv";
+
 impl Recorder {
+    /// Names of the files that are written for a scene with `torque` or without.
+    pub fn names(torque: bool) -> impl Iterator<Item = &'static str> {
+        std::iter::once(TABLE).chain(figures::names(torque))
+    }
+
     /// Prepares `ticks.csv` in the folder of `results` for a job of `ticks` records; the first record
     /// begins the results. `marks` stand in the figures. A scene without `torque` gets neither columns nor figures of torques and
     /// powers. The columns of `lagrange` come last.
@@ -67,7 +75,8 @@ impl Recorder {
         marks: JobMarks,
         lagrange: Option<LagrangeColumns>,
     ) -> Result<Self, CliError> {
-        let (path, file) = results.table("ticks.csv")?;
+        results.claim(Self::names(torque))?;
+        let (path, file) = results.table(TABLE)?;
         let mut table = BufWriter::new(file);
         let mut columns: Vec<String> = tick_columns(torque).map(str::to_owned).collect();
         columns.extend(lagrange.iter().flat_map(LagrangeColumns::names));
@@ -156,8 +165,7 @@ impl Recorder {
             Some(last) if !is_complete => format!("{name} until t = {} s", last.t),
             _ => name.into(),
         };
-        let (figures, motors) = figures::write_all(self.results.path(), &heading, self.traces)
-            .map_err(|error| unwritable(&error.path, &error.source))?;
+        let (figures, motors) = figures::write_all(&mut self.results, &heading, self.traces)?;
         let recorded = Recorded {
             rows: self.rows,
             peaks: self.peaks,
@@ -180,28 +188,4 @@ pub(crate) fn table_line(line: &mut String, values: impl Iterator<Item = f64>) {
         let _ = write!(line, "{comma}{value:?}");
     }
     line.push('\n');
-}
-
-/// Writes a file that is not there yet.
-///
-/// # Errors
-/// Refused: it is there. Failed: it cannot be written.
-pub(crate) fn new_file(path: &Path, text: &str) -> Result<(), CliError> {
-    let mut opened = match File::create_new(path) {
-        Ok(opened) => opened,
-        Err(error) if error.kind() == ErrorKind::AlreadyExists => {
-            return Err(CliError::Refused(format!(
-                "{}: is there already, and stays; give another name",
-                path.display()
-            )));
-        }
-        Err(error) => return Err(unwritable(path, &error)),
-    };
-    let written = opened.write_all(text.as_bytes());
-    written.map_err(|error| unwritable(path, &error))
-}
-
-/// `path: cannot be written: why`.
-pub(crate) fn unwritable(path: &Path, error: &std::io::Error) -> CliError {
-    CliError::Failed(format!("{}: cannot be written: {error}", path.display()))
 }

@@ -2,8 +2,8 @@
 
 use crate::failure::CliError;
 use crate::figures::RedundantPlantTraces;
-use crate::recording::{table_line, unwritable};
-use crate::results::ResultFolder;
+use crate::recording::table_line;
+use crate::results::{ResultFolder, unwritable};
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
@@ -38,6 +38,26 @@ fn values(row: &RedundantRow) -> impl Iterator<Item = f64> {
         .chain(sliders.copied().flatten())
 }
 
+/// Table of the plant.
+const TABLE: &str = "plant.csv";
+
+/// Claims the files of the plant, before the job is played.
+///
+/// # Errors
+/// Refused: as [`ResultFolder::claim`].
+pub(super) fn claim_plant(
+    scene: &RedundantScene,
+    results: &mut ResultFolder,
+) -> Result<(), CliError> {
+    match &scene.plant {
+        Some(_) => {
+            let figures = RedundantPlantTraces::new(scene);
+            results.claim(figures.names().chain([TABLE]))
+        }
+        None => Ok(()),
+    }
+}
+
 /// Simulates the plant of `scene`, and writes its table and figures.
 ///
 /// # Errors
@@ -47,8 +67,7 @@ pub(super) fn simulate_plant(
     results: &mut ResultFolder,
     stop: &AtomicBool,
 ) -> Result<SimulatedMachine, CliError> {
-    let path = results.path().join("plant.csv");
-    let file = std::fs::File::create(&path).map_err(|error| unwritable(&path, &error))?;
+    let (path, file) = results.table(TABLE)?;
     let mut table = BufWriter::new(file);
     let mut written = writeln!(table, "{}", names(scene).join(","));
     let mut traces = RedundantPlantTraces::new(scene);
@@ -64,9 +83,7 @@ pub(super) fn simulate_plant(
         simulate(scene, stop, &mut sink).map_err(|error| CliError::Refused(error.to_string()))?;
     let written = written.and_then(|()| table.flush());
     written.map_err(|error| unwritable(&path, &error))?;
-    let figures = traces
-        .write(results.path(), &scene.name)
-        .map_err(|error| unwritable(&error.path, &error.source))?;
+    let figures = traces.write(results, &scene.name)?;
     Ok(SimulatedMachine {
         outcome,
         files: std::iter::once(path).chain(figures).collect(),

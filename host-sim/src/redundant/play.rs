@@ -1,7 +1,7 @@
 //! `trirrr run` for a redundant machine.
 
 use super::peaks::RedundantPeaks;
-use super::plant::{SimulatedMachine, simulate_plant};
+use super::plant::{SimulatedMachine, claim_plant, simulate_plant};
 use super::record::RedundantRecorder;
 use super::{json, read, summary};
 use crate::failure::CliError;
@@ -100,7 +100,8 @@ fn play(
         .pipeline()
         .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
     let player = RedundantPlayer::new(scene);
-    let mut results = ResultFolder::create(folder, "run")?;
+    let mut results = ResultFolder::of(folder, "run")?;
+    claim_plant(scene, &mut results)?;
     let lagrange = args.lagrange.then(|| LagrangeColumns::of_redundant(scene));
     let mut recorder = RedundantRecorder::create(&mut results, scene, args.every, lagrange)?;
     results.begin()?;
@@ -133,7 +134,7 @@ fn play(
         true => scene.name.clone(),
         false => format!("{} until tick {rows}", scene.name),
     };
-    let (files, lagrange) = recorder.finish(&results, &heading)?;
+    let (files, lagrange) = recorder.finish(&mut results, &heading)?;
     let plant = match &scene.plant {
         Some(_) if is_complete => Some(simulate_plant(scene, &mut results, stop)?),
         _ => None,
@@ -156,6 +157,6 @@ fn play(
         Some(outcome) => outcome.failure.as_deref().map_or(Ok(()), Err),
         None => Ok(()),
     };
-    results.end(&report.all_files(), why)?;
+    results.end(why)?;
     Ok(report)
 }

@@ -4,8 +4,8 @@ use super::peaks::RedundantPeaks;
 use crate::failure::CliError;
 use crate::figures::RedundantTraces;
 use crate::lagrange::{LagrangeColumns, LagrangeFound};
-use crate::recording::{table_line, unwritable};
-use crate::results::ResultFolder;
+use crate::recording::table_line;
+use crate::results::{ResultFolder, unwritable};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
@@ -32,10 +32,12 @@ impl RedundantRecorder {
         lagrange: Option<LagrangeColumns>,
     ) -> Result<Self, CliError> {
         let (path, file) = results.table("ticks.csv")?;
+        let traces = RedundantTraces::new(scene);
+        results.claim(traces.names())?;
         Ok(Self {
             path,
             table: BufWriter::new(file),
-            traces: RedundantTraces::new(scene),
+            traces,
             peaks: None,
             lagrange,
             every: u64::from(every.max(1)),
@@ -77,15 +79,12 @@ impl RedundantRecorder {
     /// Lagrange's equations.
     pub(super) fn finish(
         mut self,
-        results: &ResultFolder,
+        results: &mut ResultFolder,
         heading: &str,
     ) -> Result<(Vec<PathBuf>, Option<LagrangeFound>), CliError> {
         let flushed = self.table.flush();
         flushed.map_err(|error| unwritable(&self.path, &error))?;
-        let figures = self
-            .traces
-            .write(results.path(), heading)
-            .map_err(|error| unwritable(&error.path, &error.source))?;
+        let figures = self.traces.write(results, heading)?;
         let files = std::iter::once(self.path).chain(figures).collect();
         Ok((files, self.lagrange.map(|own| own.found())))
     }

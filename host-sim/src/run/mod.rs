@@ -162,7 +162,8 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
         false => LongMoves::InFile,
     };
     let (out, then) = (args.out.as_deref(), &args.then);
-    let jobs = job_file::load_queue(&args.scene, then, &args.job, moves, out)?;
+    let jobs = job_file::load_queue(&args.scene, then, &args.job, moves, out, "")?;
+    refuse_folders(&jobs)?;
     jobs.iter().for_each(|queued| queued.job.warn_of_pauses());
     for QueuedJob { file, job, folder } in &jobs {
         let end = run_job(args, file, &job.scene, folder, stop)?;
@@ -171,6 +172,14 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
         }
     }
     Ok(JobEnd::Complete)
+}
+
+/// Refuses folders that cannot take the results, before the first job is played.
+fn refuse_folders(jobs: &[QueuedJob]) -> Result<(), CliError> {
+    for QueuedJob { job, folder, .. } in jobs {
+        ResultFolder::of(folder, "run")?.claim(Recorder::names(job.scene.torque))?;
+    }
+    Ok(())
 }
 
 fn run_job(
@@ -192,14 +201,15 @@ fn run_job(
         false => None,
     };
     let scalar = args.scalar.unwrap_or(scene.number);
-    let mut report = simulate(scene, scalar, !args.fast, TickRows::of(args), folder, stop)?;
-    let results = ResultFolder::reopen(folder, "run");
-    let pictures = args.pictures.beside(&report.all_files())?;
-    if !pictures.is_empty() {
-        report.files.extend(pictures);
-        let why = report.reason();
-        results.end(&report.all_files(), why.as_deref().map_or(Ok(()), Err))?;
+    let mut results = ResultFolder::of(folder, "run")?.with_pictures(args.pictures.png);
+    if analysis.is_some() {
+        results.claim(tolerances::names(scene.torque))?;
     }
+    let rows = TickRows::of(args);
+    let (mut report, mut results) = simulate_into(scene, scalar, !args.fast, rows, results, stop)?;
+    report.files.extend(results.pictures()?);
+    let why = report.reason();
+    results.end(why.as_deref().map_or(Ok(()), Err))?;
     if args.json {
         let text = json::summary(file, scene, &report);
         print(&format!("{text}\n"))?;
@@ -211,14 +221,12 @@ fn run_job(
         return Ok(report.end);
     }
     if let Some(analysis) = analysis {
-        let mut files = report.all_files();
-        results.end(&files, Err("the tolerances are under way"))?;
-        let bounded = tolerances::bound(scene, analysis, folder, stop)?;
-        files.extend_from_slice(bounded.files());
-        files.extend(args.pictures.beside(bounded.files())?);
+        results.end(Err("the tolerances are under way"))?;
+        let bounded = tolerances::bound(scene, analysis, &mut results, stop)?;
+        results.pictures()?;
         let why = bounded.is_stopped().then(|| STOPPED.into());
         let why = why.or_else(|| report.reason());
-        results.end(&files, why.as_deref().map_or(Ok(()), Err))?;
+        results.end(why.as_deref().map_or(Ok(()), Err))?;
         printed(bounded.print(&mut out))?;
         if bounded.is_stopped() {
             return Ok(JobEnd::Stopped);
@@ -258,7 +266,20 @@ pub fn simulate(
     folder: &Path,
     stop: &AtomicBool,
 ) -> Result<RunReport, CliError> {
-    in_number_type!(scalar, N => simulate_in::<N>(scene, scalar, paced, rows, folder, stop))
+    let results = ResultFolder::of(folder, "run")?;
+    simulate_into(scene, scalar, paced, rows, results, stop).map(|(report, _)| report)
+}
+
+/// Runs as [`simulate`] into `results`, and returns them for those of others.
+fn simulate_into(
+    scene: &Scene,
+    scalar: NumberType,
+    paced: bool,
+    rows: TickRows,
+    results: ResultFolder,
+    stop: &AtomicBool,
+) -> Result<(RunReport, ResultFolder), CliError> {
+    in_number_type!(scalar, N => simulate_in::<N>(scene, scalar, paced, rows, results, stop))
 }
 
 fn simulate_in<N: HostNumber + Countable>(
@@ -266,9 +287,9 @@ fn simulate_in<N: HostNumber + Countable>(
     scalar: NumberType,
     paced: bool,
     rows: TickRows,
-    folder: &Path,
+    mut results: ResultFolder,
     stop: &AtomicBool,
-) -> Result<RunReport, CliError> {
+) -> Result<(RunReport, ResultFolder), CliError> {
     let refused = |error: String| CliError::Refused(format!("scene {}: {error}", scene.name));
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
     let pipeline =
@@ -281,7 +302,6 @@ fn simulate_in<N: HostNumber + Countable>(
     let units = Units::of_scene(scene, &units);
     let setpoints = u64::from(scene.ticks()) + 1;
     let line = Line::new();
-    let mut results = ResultFolder::create(folder, "run")?;
     let mut plant = match &scene.plant {
         Some(_) => Some(PlantRecorder::create(scene, &line, &mut results)?),
         None => None,
@@ -340,7 +360,7 @@ fn simulate_in<N: HostNumber + Countable>(
     let is_complete = played.end == JobEnd::Complete;
     let (recorder, drives, open) = recorded?;
     let plant = plant.or(open);
-    let (recorded, results) = recorder.finish(&scene.name, is_complete)?;
+    let (recorded, mut results) = recorder.finish(&scene.name, is_complete)?;
     let Recorded {
         rows,
         peaks,
@@ -351,10 +371,10 @@ fn simulate_in<N: HostNumber + Countable>(
     } = recorded;
     let drives = drives.filter(|_| results.has_begun());
     let drives = drives
-        .map(|drives| drives.finish(&scene.name))
+        .map(|drives| drives.finish(&mut results, &scene.name))
         .transpose()?;
     let plant = plant.filter(|_| results.has_begun());
-    let plant = plant.map(|plant| plant.finish(&scene.name, motors, stop));
+    let plant = plant.map(|plant| plant.finish(&mut results, &scene.name, motors, stop));
     let plant = plant.transpose()?;
     let report = RunReport {
         end: played.end,
@@ -372,8 +392,8 @@ fn simulate_in<N: HostNumber + Countable>(
         plant,
     };
     let why = report.reason();
-    results.end(&report.all_files(), why.as_deref().map_or(Ok(()), Err))?;
-    Ok(report)
+    results.end(why.as_deref().map_or(Ok(()), Err))?;
+    Ok((report, results))
 }
 
 /// Consumers of the ticks: the record, and the plant. They have a thread of their own, so that a slow

@@ -3,8 +3,7 @@
 use super::summary::{line, seconds};
 use crate::failure::CliError;
 use crate::figures::{JobMarks, MotorCurves, PlantTraces};
-use crate::recording::unwritable;
-use crate::results::ResultFolder;
+use crate::results::{ResultFolder, unwritable};
 use crate::terminal::digits;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -106,6 +105,7 @@ impl<N: Transmit> PlantRecorder<'_, N> {
     /// Failed: something cannot be written.
     pub(super) fn finish(
         mut self,
+        results: &mut ResultFolder,
         name: &str,
         asked: MotorCurves,
         stop: &AtomicBool,
@@ -115,7 +115,7 @@ impl<N: Transmit> PlantRecorder<'_, N> {
         self.table.write(&mut self.rows);
         Ok(Simulated {
             outcome,
-            files: self.table.finish(name, asked)?,
+            files: self.table.finish(results, name, asked)?,
         })
     }
 }
@@ -130,7 +130,6 @@ fn keep(row: &Row, rows: &mut Vec<Row>, table: &mut PlantTable) {
 
 /// `plant.csv` and the curves of its figures.
 struct PlantTable {
-    folder: PathBuf,
     path: PathBuf,
     file: BufWriter<File>,
     /// The first error; nothing is written after it.
@@ -146,12 +145,13 @@ impl PlantTable {
         let record_s = scene.plant.as_ref().map_or(1e-3, |plant| plant.record_s);
         let settle_s = scene.plant.as_ref().map_or(0.0, |plant| plant.settle_s);
         let run_s = f64::from(scene.ticks()) / scene.tick_rate_hz + settle_s;
+        let traces = PlantTraces::new((run_s / record_s) as u64 + 1, JobMarks::of(scene));
+        results.claim(traces.names())?;
         Ok(Self {
-            folder: results.path().into(),
             path,
             file,
             written,
-            traces: PlantTraces::new((run_s / record_s) as u64 + 1, JobMarks::of(scene)),
+            traces,
         })
     }
 
@@ -164,14 +164,16 @@ impl PlantTable {
         }
     }
 
-    fn finish(mut self, name: &str, asked: MotorCurves) -> Result<Vec<PathBuf>, CliError> {
+    fn finish(
+        mut self,
+        results: &mut ResultFolder,
+        name: &str,
+        asked: MotorCurves,
+    ) -> Result<Vec<PathBuf>, CliError> {
         self.written
             .and_then(|()| self.file.flush())
             .map_err(|error| unwritable(&self.path, &error))?;
-        let figures = self
-            .traces
-            .write_all(&self.folder, name, asked)
-            .map_err(|error| unwritable(&error.path, &error.source))?;
+        let figures = self.traces.write_all(results, name, asked)?;
         Ok(std::iter::once(self.path).chain(figures).collect())
     }
 }

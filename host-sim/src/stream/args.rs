@@ -47,8 +47,8 @@ pub struct StreamArgs {
     /// The line to the board.
     #[command(flatten)]
     pub line: PortArgs,
-    /// Folder for what is written, made if missing; results of an earlier run go with the first sample
-    /// [default: out/NAME, after the scene's name]. Of several jobs each has a folder in it
+    /// Folder for what is written, made if missing; results of an earlier stream go with the first sample
+    /// [default: out/NAME-stream, after the scene's name]. Of several jobs each has a folder in it
     #[arg(long, value_name = "DIR")]
     pub out: Option<PathBuf>,
     /// Number type of the board's image [default: the scene's]

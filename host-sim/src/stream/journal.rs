@@ -2,10 +2,9 @@
 //! was lost, on a machine that waits or on one that has lost the job.
 
 use crate::failure::CliError;
-use crate::recording::unwritable;
+use crate::results::remove_own;
+use crate::results::sealed::{self, Sealed};
 use serde_json::{Value, json};
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use trirrr_client::{JobClient, JobPlace};
@@ -13,6 +12,9 @@ use trirrr_protocol::message::{JobLabel, Transmit};
 
 /// Name of the file.
 const FILE: &str = "job.json";
+
+/// Reason why a journal is of no use.
+const DAMAGED: &str = "it is damaged, or of an older version: the place at which the job was left is not known; stream the job from its start, without --resume";
 
 /// Longest time that a crash of the host takes out of the journal.
 const EVERY: Duration = Duration::from_millis(100);
@@ -58,20 +60,37 @@ impl Journal {
         }
     }
 
+    /// Refuses a file in the place of the journal that is none, which a stream without `resume` would replace.
+    ///
+    /// # Errors
+    /// Refused: as said.
+    pub(super) fn refuse_other(folder: &Path, resume: bool) -> Result<(), CliError> {
+        let path = folder.join(FILE);
+        match sealed::read(&path)? {
+            Sealed::Damaged if !resume => Err(CliError::Refused(format!(
+                "{}: is no journal as `trirrr stream` writes it, and stays; give --out another folder, or move it away yourself",
+                path.display()
+            ))),
+            _ => Ok(()),
+        }
+    }
+
     /// Reads the journal in `folder` of the job `key`.
     ///
     /// # Errors
-    /// Refused: there is none, or it is of another job.
+    /// Refused: there is none, it is damaged, or it is of another job.
     pub(super) fn read(folder: &Path, key: &JobKey) -> Result<JournalEntry, CliError> {
         let path = folder.join(FILE);
         let refused = |why: &str| CliError::Refused(format!("{}: {why}", path.display()));
-        let text = fs::read_to_string(&path).map_err(|error| match error.kind() {
-            io::ErrorKind::NotFound => refused(
-                "there is no job to resume: the last stream into this folder was complete, or there was none",
-            ),
-            _ => refused(&error.to_string()),
-        })?;
-        let value: Value = serde_json::from_str(&text).unwrap_or_default();
+        let value = match sealed::read(&path)? {
+            Sealed::Whole(value) => value,
+            Sealed::Missing => {
+                return Err(refused(
+                    "there is no job to resume: the last stream into this folder was complete, or there was none",
+                ));
+            }
+            Sealed::Damaged => return Err(refused(DAMAGED)),
+        };
         let is_of_job = value["scene"] == key.scene.as_str()
             && value["number"] == key.number.as_str()
             && value["items"] == key.label.items
@@ -95,7 +114,7 @@ impl Journal {
                 reached: place(&value["reached"])?,
             })
         };
-        entry().ok_or_else(|| refused("it is damaged"))
+        entry().ok_or_else(|| refused(DAMAGED))
     }
 
     /// Takes note of a place that the machine has reached.
@@ -134,16 +153,12 @@ impl Journal {
             "from": place(self.from),
             "reached": place(self.reached),
         });
-        // Another name first: a crash leaves the old file or the new one.
-        let new = self.path.with_extension("json.new");
-        fs::write(&new, format!("{value:#}\n"))
-            .and_then(|()| fs::rename(&new, &self.path))
-            .map_err(|error| unwritable(&self.path, &error))
+        sealed::write(&self.path, value)
     }
 
     /// Removes the journal of a job that is complete.
     pub(super) fn end(&self) {
         // One that stays is refused by the machine: it has played all moves.
-        let _ = fs::remove_file(&self.path);
+        let _ = remove_own(&self.path);
     }
 }

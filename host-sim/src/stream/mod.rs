@@ -67,7 +67,7 @@ pub fn command(args: &StreamArgs, stop: &AtomicBool) -> Result<StreamEnd, CliErr
         false => LongMoves::InFile,
     };
     let (out, then) = (args.out.as_deref(), &args.then);
-    let jobs = job_file::load_queue(&args.scene, then, &args.job, moves, out)?;
+    let jobs = job_file::load_queue(&args.scene, then, &args.job, moves, out, "-stream")?;
     let scalar = |job: &LoadedJob| args.scalar.unwrap_or(job.scene.number);
     for QueuedJob { file, job, .. } in &jobs {
         in_number_type!(scalar(job), N => {
@@ -123,6 +123,7 @@ fn stream<N: ServiceNumber>(
 ) -> Result<StreamEnd, CliError> {
     let QueuedJob { file, job, folder } = queued;
     let scene = &job.scene;
+    Journal::refuse_other(folder, args.resume)?;
     let refused = |error: String| CliError::Refused(format!("scene {}: {error}", scene.name));
     let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
     let stream = Stream {
@@ -279,7 +280,7 @@ impl Stream<'_> {
             true => next_folder(self.folder),
             false => self.folder.into(),
         };
-        let mut results = ResultFolder::create(&folder, "stream")?;
+        let mut results = ResultFolder::of(&folder, "stream")?;
         let drives = DriveRecorder::create(&mut results, scene, units, every)?;
         // A hold shifts the moves.
         let marks = JobMarks::of(scene).without_moves();
@@ -345,10 +346,10 @@ impl Stream<'_> {
             false if !played.is_lost => journal.note(&client, true)?,
             false => {}
         }
-        let (mut recorded, results) = recorder.finish(&scene.name, is_complete)?;
+        let (mut recorded, mut results) = recorder.finish(&scene.name, is_complete)?;
         let drives = drives.filter(|_| results.has_begun());
         let drives = drives
-            .map(|drives| drives.finish(&scene.name))
+            .map(|drives| drives.finish(&mut results, &scene.name))
             .transpose()?;
         if let Some(drives) = &drives {
             recorded.files.extend_from_slice(&drives.files);
@@ -358,7 +359,7 @@ impl Stream<'_> {
             Ok(StreamEnd::Stopped) => Some("stopped by the user".into()),
             Err(error) => Some(error.to_string()),
         };
-        results.end(&recorded.files, why.as_deref().map_or(Ok(()), Err))?;
+        results.end(why.as_deref().map_or(Ok(()), Err))?;
         if played.is_lost {
             return result;
         }

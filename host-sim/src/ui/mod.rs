@@ -15,9 +15,11 @@ use std::net::{Ipv4Addr, TcpListener, TcpStream};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use std::{env, fs, thread};
+use std::{env, thread};
 use trirrr_client::transport::Address;
-use trirrr_scene::read::machine_file_of;
+use trirrr_scene::read::files::{LONGEST_TABLE, text_in};
+use trirrr_scene::read::{machine_file_of, machine_path, on_disk};
+use trirrr_scene::{Scene, SceneError};
 use tungstenite::handshake::server::create_response;
 use tungstenite::http::StatusCode;
 
@@ -126,14 +128,36 @@ fn machine_text(scene: &Path) -> Result<Option<String>, CliError> {
     let Some(file) = machine_file_of(&text) else {
         return Ok(None);
     };
-    let file = scene.parent().unwrap_or(Path::new("")).join(file);
-    match fs::read_to_string(&file) {
-        Ok(text) => Ok(Some(text)),
-        Err(error) => Err(CliError::Refused(format!(
-            "{name}: machine = {}: cannot be read: {error}",
+    let file = machine_path(scene, &file);
+    let refused = |reason: String| CliError::Refused(format!("{name}: machine = {reason}"));
+    let text = on_disk(&file).map_err(refused)?;
+    match fault_of_machine(&text) {
+        None => Ok(Some(text)),
+        Some(fault) => Err(refused(format!(
+            "{}: is no machine: {fault}",
             file.display()
         ))),
     }
+}
+
+/// First reason why `text` is not that of a machine. The scene may be of somebody else and name any file of this computer: of files that
+/// are no machines nothing is handed out.
+fn fault_of_machine(text: &str) -> Option<String> {
+    const SCENE: &str = "name = \"page\"\nmachine = \"machine.toml\"\n";
+    let machines = |_: &Path| Ok(text.to_owned());
+    let read = Scene::draft_from(SCENE, "", &machines);
+    let Err(SceneError::Refused { problems, .. }) = read else {
+        return None;
+    };
+    // What this scene lacks itself, its job, is no fault of the machine.
+    let mut of_machine = problems
+        .iter()
+        .filter(|problem| problem.source.is_some() || problem.key == "machine");
+    // Without the line of the file: it may be a secret.
+    of_machine.next().map(|problem| match problem.key.as_str() {
+        "" => format!("line {} is not TOML", problem.line),
+        _ => format!("line {}: {}", problem.line, problem.reason),
+    })
 }
 
 /// Reads the page, and tells it where its scene is, and the name of the board.
@@ -150,7 +174,7 @@ fn page(given: Option<&Path>, board: Option<&Address>) -> Result<String, CliErro
             places.join(", ")
         ))
     })?;
-    let text = fs::read_to_string(file).map_err(|error| {
+    let text = text_in(file, LONGEST_TABLE).map_err(|error| {
         CliError::Refused(format!("{}: cannot be read: {error}", file.display()))
     })?;
     const BEGIN: &str = "<html lang=\"en\"";

@@ -1,5 +1,7 @@
 //! Commands of `trirrr`: what they print and write, and what they refuse. `stream` has tests of its own.
 
+#![allow(clippy::disallowed_methods)]
+
 mod assemble;
 mod calibrate;
 mod common;
@@ -7,6 +9,7 @@ mod contract;
 mod design;
 mod eval;
 mod figures;
+mod files;
 mod first_steps;
 mod grbl;
 mod jobs;

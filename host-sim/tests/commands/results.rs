@@ -90,13 +90,8 @@ fn a_refused_command_loses_nothing() {
 }
 
 #[test]
-fn a_command_that_has_begun_leaves_nothing_of_an_earlier_one() {
+fn a_command_that_has_begun_leaves_nothing_of_its_earlier_run() {
     let folder = TempDir::new().unwrap();
-    file(
-        &folder,
-        "scene.toml",
-        &repository("scenes/plant-reference.toml"),
-    );
     let four_bar = repository("linkages/four-bar.toml");
     file(&folder, "good.toml", &four_bar);
     // Stops on the way, and cannot be assembled at all.
@@ -110,10 +105,8 @@ fn a_command_that_has_begun_leaves_nothing_of_an_earlier_one() {
         "none.toml",
         &four_bar.replace("length_m = 0.1\n", "length_m = 30.0\n"),
     );
-
-    assert_eq!(trirrr(&folder, &["run", "scene.toml", "--fast"]), 0);
+    fs::create_dir(folder.path().join("out")).unwrap();
     fs::write(folder.path().join("out/note.txt"), "of the user").unwrap();
-    assert!(results(&folder).iter().any(|(name, _)| name == "plant.csv"));
     for (name, code, wanted, table) in [
         ("good.toml", 0, "complete", true),
         ("rocking.toml", 1, "partial", true),
@@ -146,5 +139,6 @@ fn a_refused_table_of_cases_leaves_the_earlier_results() {
     assert_eq!(trirrr(&folder, &["eval", "bad.csv"]), 2);
     assert_eq!(read(), before);
     let names = fs::read_dir(folder.path()).unwrap();
-    assert_eq!(names.count(), 3);
+    // The cases, the bad ones, the results, and the hidden file by which the program knows them.
+    assert_eq!(names.count(), 4);
 }

@@ -116,11 +116,17 @@ fn only_the_page_itself_gets_to_the_board() {
 #[test]
 fn a_scene_is_served_with_the_file_of_its_machine() {
     let folder = folder_with_page();
-    fs::write(folder.path().join("job.toml"), "machine = \"my.toml\"\n").expect("written");
+    fs::write(
+        folder.path().join("job.toml"),
+        "machine = \"thesis.toml\"\n",
+    )
+    .expect("written");
+    let thesis = include_str!("../../../scenes/thesis.toml");
+    fs::write(folder.path().join("thesis.toml"), thesis).expect("written");
     let served = Served::new(folder.path(), "job.toml", &[]);
     let machine = served.get("/machine.toml", &served.address);
     assert!(machine.starts_with("HTTP/1.1 200"), "{machine}");
-    assert!(machine.ends_with("name = \"one\"\n"), "{machine}");
+    assert!(machine.ends_with(thesis), "{machine}");
     // No other file is served, and none to another site.
     let page = served.get("/my.toml", &served.address);
     assert!(page.starts_with("HTTP/1.1 404"), "{page}");
@@ -137,6 +143,39 @@ fn a_scene_is_served_with_the_file_of_its_machine() {
     assert_eq!(refused.status.code(), Some(2));
     let why = String::from_utf8_lossy(&refused.stderr);
     assert!(why.contains("machine = none.toml: cannot be read"), "{why}");
+}
+
+/// The scene of somebody else may name any file of this computer. What is no machine is not handed out, and no word of it.
+#[test]
+fn what_is_no_machine_is_not_handed_out() {
+    let folder = folder_with_page();
+    let thesis = include_str!("../../../scenes/thesis.toml");
+    let write =
+        |name: &str, text: &str| fs::write(folder.path().join(name), text).expect("written");
+    write("job.toml", "machine = \"secret\"\n");
+    write("secret", thesis);
+    let served = Served::new(folder.path(), "job.toml", &[]);
+    let machine = || served.get("/machine.toml", &served.address);
+    assert!(machine().starts_with("HTTP/1.1 200"));
+    let hidden = format!("hidden = \"word\"\n{thesis}\n[more]\nhidden = \"word\"\n");
+    let cut = thesis.replace("distal_m", "hidden_word");
+    for secret in [
+        "word",
+        "root:word:0\n",
+        "hidden = \"word\"",
+        "[registry]\ntoken = \"word\"",
+        "machine = \"word\"",
+        &hidden,
+        &cut,
+    ] {
+        write("secret", secret);
+        let answer = machine();
+        assert!(answer.starts_with("HTTP/1.1 404"), "{secret}: {answer}");
+        assert!(!answer.contains("word"), "{secret}: {answer}");
+        let arguments = ["ui", "job.toml", "--port", "0", "--page", "page.html"];
+        let refused = crate::common::command(folder.path(), &arguments).output();
+        assert_eq!(refused.expect("an end").status.code(), Some(2));
+    }
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! `trirrr stream` and `trirrr device`, each as a process of its own, over TCP and over a
 //! serial port.
 
+#![allow(clippy::disallowed_methods)]
+
 mod bridge;
 mod calibrated;
 mod commands;

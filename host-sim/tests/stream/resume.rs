@@ -125,3 +125,46 @@ fn another_job_is_not_resumed() {
     assert!(message.contains("it is of another job"), "{message}");
     streaming.lines.rest();
 }
+
+/// A journal that is cut off, changed or something else tells no place, and is said to be damaged. A stream from the start does not
+/// replace what it did not write. Neither needs a machine.
+#[test]
+fn a_damaged_journal_is_named_as_such_and_stays() {
+    let folder = chained();
+    let out = folder.path().join("out");
+    std::fs::create_dir(&out).unwrap();
+    let contents: [&[u8]; 6] = [
+        b"",
+        b"{",
+        b"\0\xff\xfe",
+        b"[1, 2]",
+        b"{\"scene\": \"chained\"}",
+        b"of the user",
+    ];
+    for content in contents {
+        std::fs::write(out.join("job.json"), content).unwrap();
+        for (more, said) in [
+            (&["--resume"][..], "it is damaged"),
+            (&[], "is no journal as `trirrr stream` writes it, and stays"),
+        ] {
+            let output = stream(&folder, "tcp:127.0.0.1:9", more);
+            let message = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{message}");
+            assert!(message.contains(said), "{content:?}: {message}");
+            assert_eq!(std::fs::read(out.join("job.json")).unwrap(), content);
+        }
+    }
+}
+
+/// Telemetry of a machine is not replaced by a simulation, nor a simulation by telemetry, before anything moves.
+#[test]
+fn a_stream_is_refused_in_the_folder_of_a_run() {
+    let folder = chained();
+    let table = run(&folder);
+    std::fs::rename(folder.path().join("run"), folder.path().join("out")).unwrap();
+    let output = stream(&folder, "tcp:127.0.0.1:9", &[]);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{message}");
+    assert!(message.contains("the results of `trirrr run`"), "{message}");
+    assert_eq!(ticks(&folder.path().join("out")), table);
+}

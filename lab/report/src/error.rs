@@ -6,7 +6,7 @@ pub enum ReportError {
     /// A document, a scene or a machine is refused.
     #[error("{0}")]
     Refused(String),
-    /// A file cannot be written, or a measurement failed.
+    /// A measurement, a table or a figure failed.
     #[error("{0}")]
     Failed(String),
 }

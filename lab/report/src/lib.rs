@@ -20,11 +20,10 @@ mod table;
 pub mod work_precision;
 
 pub use error::ReportError;
-pub use page::Block;
+pub use page::{Block, ReportFile};
 
-use page::{Page, unwritable};
+use page::Page;
 use progress::Progress;
-use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// Part of the report.
@@ -79,7 +78,7 @@ impl ReportSection {
         }
     }
 
-    fn write(self, page: &mut Page<'_>, progress: &Progress<'_>) -> Result<(), ReportError> {
+    fn write(self, page: &mut Page, progress: &Progress<'_>) -> Result<(), ReportError> {
         match self {
             ReportSection::Numbers => numbers::write(page, progress),
             ReportSection::Extremes => extremes::write(page, progress),
@@ -99,59 +98,45 @@ impl FromStr for ReportSection {
     }
 }
 
-/// Written report.
+/// A report that is made.
 #[derive(Clone, Debug)]
 pub struct Report {
     /// Parts that documents may copy.
     pub blocks: Vec<Block>,
     /// Files, the page first.
-    pub files: Vec<PathBuf>,
+    pub files: Vec<ReportFile>,
 }
 
-/// Writes `sections` into `folder`, which is made if it is missing.
+/// Makes the report of `sections`.
 ///
 /// Errors and counts are computed by all threads of rayon's current pool. Run times are measured while nothing else is
 /// computed, or in processor time of one thread. `progress` hears how many steps are done, and of how many.
 ///
 /// # Errors
-/// Failed: something cannot be written.
-pub fn write(
+/// Failed: a measurement, a table or a figure.
+pub fn measure(
     sections: &[ReportSection],
-    folder: &Path,
     progress: &(dyn Fn(usize, usize) + Sync),
 ) -> Result<Report, ReportError> {
-    std::fs::create_dir_all(folder).map_err(|error| unwritable(folder, &error))?;
-    let mut page = Page::new(folder, "Report");
+    let mut page = Page::new("Report");
     let steps = sections.iter().map(|section| section.steps()).sum();
     let progress = Progress::new(steps, progress);
     for section in sections {
         section.write(&mut page, &progress)?;
     }
-    let (blocks, files) = page.finish("report.md")?;
+    let (blocks, files) = page.finish("report.md");
     Ok(Report { blocks, files })
 }
 
-/// Replaces the copies in `document`, and the figures in the folder `images` beside it.
-///
-/// # Errors
-/// Refused: the document cannot be read, or its markers do not match. Failed: something cannot be
-/// written.
-pub fn refresh(document: &Path, report: &Report) -> Result<(), ReportError> {
-    let refused =
-        |reason: String| ReportError::Refused(format!("{}: {reason}", document.display()));
-    let text = std::fs::read_to_string(document)
-        .map_err(|error| refused(format!("cannot be read: {error}")))?;
-    let text = docs::refreshed(&text, &report.blocks).map_err(refused)?;
-    std::fs::write(document, &text).map_err(|error| unwritable(document, &error))?;
-    let images = document.with_file_name("images");
-    let figures = report.files.iter().filter(|file| {
-        let name = file.file_name().and_then(|name| name.to_str());
-        name.is_some_and(|name| text.contains(&format!("(images/{name})")))
-    });
-    for figure in figures {
-        std::fs::create_dir_all(&images).map_err(|error| unwritable(&images, &error))?;
-        let copy = images.join(figure.file_name().unwrap_or_default());
-        std::fs::copy(figure, &copy).map_err(|error| unwritable(&copy, &error))?;
+impl Report {
+    /// Text of a document with its copies of the report's parts replaced, and the figures that it shows from the folder `images` beside it.
+    ///
+    /// # Errors
+    /// A marker without its other one, or of no part.
+    pub fn refreshed(&self, document: &str) -> Result<(String, Vec<&ReportFile>), String> {
+        let text = docs::refreshed(document, &self.blocks)?;
+        let is_shown = |file: &&ReportFile| text.contains(&format!("(images/{})", file.name));
+        let shown = self.files.iter().filter(is_shown).collect();
+        Ok((text, shown))
     }
-    Ok(())
 }

@@ -7,16 +7,22 @@
 use super::table::Table;
 use crate::error::ReportError;
 use std::fmt::Write;
-use std::io;
-use std::path::{Path, PathBuf};
 use trirrr_figures::canvas::Drawn;
 
-/// The report in one folder.
-pub(crate) struct Page<'a> {
-    folder: &'a Path,
+/// A report while it is made.
+pub(crate) struct Page {
     text: String,
     blocks: Vec<Block>,
-    files: Vec<PathBuf>,
+    files: Vec<ReportFile>,
+}
+
+/// A file of the report.
+#[derive(Clone, Debug)]
+pub struct ReportFile {
+    /// Name in the folder of the report.
+    pub name: String,
+    /// Content.
+    pub content: Vec<u8>,
 }
 
 /// A part of the report that documents may have a copy of.
@@ -30,11 +36,10 @@ pub struct Block {
     pub reproducible: bool,
 }
 
-impl<'a> Page<'a> {
-    /// An empty report for `folder`, which must exist.
-    pub(crate) fn new(folder: &'a Path, title: &str) -> Self {
+impl Page {
+    /// An empty report.
+    pub(crate) fn new(title: &str) -> Self {
         Self {
-            folder,
             text: format!("# {title}\n"),
             blocks: Vec::new(),
             files: Vec::new(),
@@ -62,48 +67,44 @@ impl<'a> Page<'a> {
         });
     }
 
-    /// Writes `table` as the CSV file `name`.
+    fn add(&mut self, name: &str, content: Vec<u8>) {
+        let name = name.into();
+        self.files.push(ReportFile { name, content });
+    }
+
+    /// Adds `table` as the CSV file `name`.
     pub(crate) fn csv(&mut self, name: &str, table: &Table) -> Result<(), ReportError> {
-        let path = self.folder.join(name);
-        let write = || -> Result<(), csv::Error> {
-            let mut writer = csv::Writer::from_path(&path)?;
-            for record in table.records() {
-                writer.write_record(record)?;
-            }
-            Ok(writer.flush()?)
-        };
-        write().map_err(|error| unwritable(&path, &error))?;
-        self.files.push(path);
+        let failed = |error: String| ReportError::Failed(format!("{name}: {error}"));
+        let mut writer = csv::Writer::from_writer(Vec::new());
+        for record in table.records() {
+            let written = writer.write_record(record);
+            written.map_err(|error| failed(error.to_string()))?;
+        }
+        let content = writer.into_inner();
+        self.add(name, content.map_err(|error| failed(error.to_string()))?);
         Ok(())
     }
 
-    /// Writes a figure as the SVG file `name` and shows it; `caption` says what is seen.
+    /// Adds a figure as the SVG file `name` and shows it; `caption` says what is seen.
     pub(crate) fn figure(
         &mut self,
         name: &str,
         caption: &str,
         drawn: Drawn,
     ) -> Result<(), ReportError> {
-        let path = self.folder.join(name);
-        drawn
-            .map_err(|error| io::Error::other(error.to_string()))
-            .and_then(|svg| std::fs::write(&path, svg))
-            .map_err(|error| unwritable(&path, &error))?;
-        self.files.push(path);
+        let svg = drawn.map_err(|error| ReportError::Failed(format!("{name}: {error}")))?;
+        self.add(name, svg.into());
         self.paragraph(&format!("![{caption}]({name})"));
         Ok(())
     }
 
-    /// Writes the Markdown file and hands out what documents may copy, and all files.
-    pub(crate) fn finish(mut self, name: &str) -> Result<(Vec<Block>, Vec<PathBuf>), ReportError> {
-        let path = self.folder.join(name);
-        std::fs::write(&path, &self.text).map_err(|error| unwritable(&path, &error))?;
-        self.files.insert(0, path);
-        Ok((self.blocks, self.files))
+    /// Adds the Markdown file, as the first, and hands out what documents may copy, and all files.
+    pub(crate) fn finish(mut self, name: &str) -> (Vec<Block>, Vec<ReportFile>) {
+        let page = ReportFile {
+            name: name.into(),
+            content: self.text.into(),
+        };
+        self.files.insert(0, page);
+        (self.blocks, self.files)
     }
-}
-
-/// Returns the error that names the file that could not be written, and why.
-pub(super) fn unwritable(path: &Path, error: &dyn std::fmt::Display) -> ReportError {
-    ReportError::Failed(format!("{}: cannot be written: {error}", path.display()))
 }

@@ -3,8 +3,13 @@
 use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
-use tempfile::TempDir;
-use trirrr_report::{ReportSection, docs, write};
+use trirrr_report::{Report, ReportSection, docs, measure};
+
+/// Content of a file of the report.
+fn content<'r>(report: &'r Report, name: &str) -> &'r [u8] {
+    let file = report.files.iter().find(|file| file.name == name);
+    &file.unwrap().content
+}
 
 /// Figures whose every coordinate is an error or a count.
 const FIGURES: [&str; 7] = [
@@ -20,11 +25,9 @@ const FIGURES: [&str; 7] = [
 #[test]
 fn numerics_md_is_what_the_report_says() {
     let documents = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs");
-    let folder = TempDir::new().unwrap();
     let most = AtomicUsize::new(0);
-    let report = write(
+    let report = measure(
         &[ReportSection::Numbers, ReportSection::Extremes],
-        folder.path(),
         &|done, steps| {
             assert!(done <= steps);
             most.fetch_max(1000 * steps + done, Ordering::Relaxed);
@@ -40,7 +43,7 @@ fn numerics_md_is_what_the_report_says() {
     assert!(outdated.is_empty(), "{outdated:?}: {how}");
     assert!(report.blocks.len() >= 6, "{}", report.blocks.len());
     for figure in FIGURES {
-        let drawn = fs::read(folder.path().join(figure)).unwrap();
+        let drawn = content(&report, figure);
         let shown = fs::read(documents.join("images").join(figure));
         assert!(shown.is_ok_and(|shown| shown == drawn), "{figure}: {how}");
         assert!(document.contains(&format!("(images/{figure})")), "{figure}");
@@ -51,21 +54,20 @@ fn numerics_md_is_what_the_report_says() {
 #[test]
 #[ignore = "minutes unless optimised; cargo xtask ci runs it so"]
 fn numerics_md_is_what_the_study_of_integrators_says() {
-    let folder = TempDir::new().unwrap();
-    let report = write(&[ReportSection::WorkPrecision], folder.path(), &|_, _| {}).unwrap();
+    let report = measure(&[ReportSection::WorkPrecision], &|_, _| {}).unwrap();
     let document = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/numerics.md");
     let document = fs::read_to_string(document).unwrap();
     let outdated = docs::outdated(&document, &report.blocks).unwrap();
     let how = "refresh with: cargo run --release -- report --docs docs/numerics.md";
     assert!(outdated.is_empty(), "{outdated:?}: {how}");
-    check_runs(&folder.path().join("work-precision.csv"));
+    check_runs(content(&report, "work-precision.csv"));
     let compared = report.blocks.iter().filter(|block| block.reproducible);
     assert_eq!(compared.count(), 2);
 }
 
 /// No run of the study hangs, for this is reached; each has an error or names why it ended early.
-fn check_runs(file: &Path) {
-    let mut runs = csv::Reader::from_path(file).unwrap();
+fn check_runs(file: &[u8]) {
+    let mut runs = csv::Reader::from_reader(file);
     let mut count = 0;
     for run in runs.records() {
         let run = run.unwrap();
@@ -83,9 +85,8 @@ const SAME: f64 = 1e-12;
 
 #[test]
 fn the_core_and_the_equations_of_lagrange_agree_for_every_machine_of_the_source() {
-    let folder = TempDir::new().unwrap();
-    let report = write(&[ReportSection::Lagrange], folder.path(), &|_, _| {}).unwrap();
-    let mut rows = csv::Reader::from_path(folder.path().join("lagrange.csv")).unwrap();
+    let report = measure(&[ReportSection::Lagrange], &|_, _| {}).unwrap();
+    let mut rows = csv::Reader::from_reader(content(&report, "lagrange.csv"));
     let rows: Vec<csv::StringRecord> = rows.records().map(Result::unwrap).collect();
     let names: Vec<&str> = rows.iter().map(|row| &row[0]).collect();
     let machines = ["4-RRR", "6-RRR", "PRRR+2RRR", "2PRRR+RRR", "3PRRR"];

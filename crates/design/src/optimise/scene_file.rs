@@ -2,7 +2,7 @@
 
 use std::path::Path;
 use toml_edit::{DocumentMut, Item, Table, Value};
-use trirrr_scene::read::{KeyStep, ListElement, Setting, in_other_unit};
+use trirrr_scene::read::{KeyStep, ListElement, Setting, in_other_unit, machine_path, on_disk};
 
 /// Key of the machine's file in a scene.
 const MACHINE: &str = "machine";
@@ -26,10 +26,9 @@ fn machine_text(scene: &DocumentMut, file: &str) -> Result<Option<(String, Strin
     let Some(name) = scene.get(MACHINE).and_then(Item::as_str) else {
         return Ok(None);
     };
-    let path = Path::new(file).parent().unwrap_or(Path::new("")).join(name);
-    let path = path.display().to_string();
-    let text = std::fs::read_to_string(&path).map_err(|error| format!("{path}: {error}"))?;
-    Ok(Some((path, text)))
+    let path = machine_path(Path::new(file), name);
+    let text = on_disk(&path)?;
+    Ok(Some((path.display().to_string(), text)))
 }
 
 /// Writes `settings` into the scene in `text`, in their order. A value of a machine in a file of its own goes into the text of that file;

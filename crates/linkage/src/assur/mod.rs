@@ -67,6 +67,7 @@ mod dyad;
 mod example;
 mod factors;
 mod figures;
+mod files;
 mod groups;
 mod loads;
 mod loops;
@@ -81,13 +82,13 @@ mod state;
 mod study;
 mod table;
 mod track;
-mod write;
 
 pub use arm::{ArmBranch, ArmError, EndMotion, SerialArm};
 pub use description::{
     FRAME, Joint, JointDrive, JointKind, LinkBody, Linkage, MotionSpan, PointRef, Prismatic,
     SlotPart,
 };
+pub use files::{NamedFile, files, inverse_files};
 pub use groups::{Dyad, Group, GroupKind};
 pub use loads::{BodyMass, drive_loads};
 pub use loops::{LinkLoop, LoopUnknowns, independent_loops, unknowns};
@@ -100,4 +101,3 @@ pub use study::{
     study,
 };
 pub use track::{Stop, Track, track};
-pub use write::{WriteError, write, write_inverse};

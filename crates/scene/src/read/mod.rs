@@ -4,6 +4,7 @@
 
 mod bound;
 mod document;
+pub mod files;
 mod other_unit;
 mod parts;
 mod section;
@@ -18,18 +19,18 @@ pub use section::Section;
 pub use setting::{KeyStep, ListElement, Setting, SettingError};
 
 pub(crate) use document::TextPart;
-pub use parts::{SceneText, machine_file_of};
+pub use parts::{SceneText, machine_file_of, machine_path};
 
 use crate::error::SceneError;
 use std::path::Path;
 use toml::de::DeTable;
 
-/// The text of `file`.
+/// Reads the text of a scene, or of another file in TOML.
 ///
 /// # Errors
 /// [`SceneError::Unreadable`] with the file and the reason.
 pub fn text_of(file: &Path) -> Result<String, SceneError> {
-    std::fs::read_to_string(file).map_err(|reason| SceneError::Unreadable {
+    files::text_in(file, files::LONGEST_SCENE).map_err(|reason| SceneError::Unreadable {
         file: file.to_owned(),
         reason,
     })
@@ -38,9 +39,17 @@ pub fn text_of(file: &Path) -> Result<String, SceneError> {
 /// Gives the text of the file of a machine, or the reason why there is none.
 pub type MachineTexts<'a> = dyn Fn(&Path) -> Result<String, String> + 'a;
 
-/// The text of the file of a machine, from the disk.
-pub(crate) fn on_disk(file: &Path) -> Result<String, String> {
-    text_of(file).map_err(|error| error.to_string())
+/// Reads the text of the file of a machine from the disk.
+///
+/// # Errors
+/// The file and the reason.
+pub fn on_disk(file: &Path) -> Result<String, String> {
+    let text = files::regular_text(file, files::LONGEST_MACHINE);
+    let unreadable = |reason| SceneError::Unreadable {
+        file: file.to_owned(),
+        reason,
+    };
+    text.map_err(|reason| unreadable(reason).to_string())
 }
 
 /// Parses the scene in `text`, with what it takes from the file of its machine and from `settings`, and hands document and

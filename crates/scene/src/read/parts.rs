@@ -1,5 +1,6 @@
 //! A scene whose parts stand in several places: its file, the file of its machine, arguments.
 
+use super::files::is_stream;
 use super::{Document, MachineTexts, Place, Setting, TextPart};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -20,6 +21,13 @@ pub fn machine_file_of(text: &str) -> Option<String> {
     let (root, _) = DeTable::parse_recoverable(text);
     let named = root.get_ref().get(MACHINE)?;
     named.get_ref().as_str().map(str::to_owned)
+}
+
+/// Path of the file that the scene in `scene` names as that of its machine: beside the scene, for one that comes through a pipe in the
+/// folder of the program.
+pub fn machine_path(scene: &Path, name: &str) -> PathBuf {
+    let folder = scene.parent().filter(|_| !is_stream(scene));
+    folder.unwrap_or(Path::new("")).join(name)
 }
 
 /// Text of a scene with all that it takes from elsewhere behind its own: spans count through the whole.
@@ -55,7 +63,7 @@ impl SceneText {
         };
         let named = root.get(MACHINE).and_then(|value| value.get_ref().as_str());
         if let Some(name) = named {
-            let path = Path::new(file).parent().unwrap_or(Path::new("")).join(name);
+            let path = machine_path(Path::new(file), name);
             match machines(&path) {
                 Ok(machine) => {
                     let begin = whole.add(&path.display().to_string(), &machine, true);

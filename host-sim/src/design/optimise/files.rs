@@ -1,8 +1,7 @@
 //! Files of a study, and its summary.
 
 use super::record::StudyRecord;
-use super::{DesignArgs, figures, folder_of, page};
-use crate::design::write as write_file;
+use super::{DesignArgs, figures, page};
 use crate::failure::CliError;
 use crate::results::ResultFolder;
 use crate::terminal::{digits, print};
@@ -34,7 +33,27 @@ impl StudyResult {
     }
 }
 
-/// Writes the files of a study and prints its summary.
+/// Names of the tables and scenes of a study.
+const FILES: [&str; 6] = [
+    "study.json",
+    "evaluations.csv",
+    BEST,
+    BEST_MACHINE,
+    "front.csv",
+    "study.html",
+];
+
+/// Takes `folder` for the results of a study.
+///
+/// # Errors
+/// Refused: as [`ResultFolder`] refuses it.
+pub(super) fn results(folder: &Path) -> Result<ResultFolder, CliError> {
+    let mut results = ResultFolder::of(folder, "design --vary")?;
+    results.claim(FILES)?;
+    Ok(results)
+}
+
+/// Writes the files of a study into `results` and prints its summary.
 ///
 /// # Errors
 /// Failed: no candidate does the job, or a file cannot be written.
@@ -42,49 +61,48 @@ pub(super) fn write(
     args: &DesignArgs,
     study: &StudyScene,
     record: &StudyRecord,
+    mut results: ResultFolder,
 ) -> Result<(), CliError> {
     let result = StudyResult::of(record);
     let mut record = record.clone();
     record.result = as_json(study, &result);
-    let folder = folder_of(args, &record.scene);
-    let mut results = ResultFolder::create(&folder, "design")?;
-    results.begin()?;
     let json = serde_json::to_string_pretty(&record)
         .map_err(|error| CliError::Failed(error.to_string()))?;
     let json = format!("{json}\n");
-    let mut files = vec![
-        write_file(&folder, "study.json", &json)?,
-        write_file(&folder, "evaluations.csv", &table(study, &result, None))?,
-    ];
+    results.write("study.json", json.as_str())?;
+    results.write("evaluations.csv", table(study, &result, None))?;
     if let Some(index) = result.best {
-        files.extend(write_best(study, &result.all[index], &folder)?);
+        write_best(study, &result.all[index], &mut results)?;
         if study.objectives.len() > 1 {
             let rows = table(study, &result, Some(&result.front));
-            files.push(write_file(&folder, "front.csv", &rows)?);
+            results.write("front.csv", rows)?;
         }
         let figures = figures::all(study, &record, &result);
         for (name, drawn) in &figures {
-            files.push(write_file(&folder, &format!("{name}.svg"), drawn)?);
+            results.write(&format!("{name}.svg"), drawn.as_str())?;
         }
         let html = page::html(args, study, &record, &result, &figures);
-        files.push(write_file(&folder, "study.html", &html)?);
+        results.write("study.html", html)?;
     }
     let end = match record.partial {
         true => Err("interrupted"),
         false => Ok(()),
     };
-    results.end(&files, end)?;
+    results.end(end)?;
     if result.best.is_none() {
-        return Err(CliError::Failed(no_candidate(&result, &folder)));
+        return Err(CliError::Failed(no_candidate(
+            &result,
+            &results.path_of("evaluations.csv"),
+        )));
     }
     match args.json {
         true => print(&json),
-        false => print(&summary(study, &record, &result, &files)),
+        false => print(&summary(study, &record, &result, &results.files())),
     }
 }
 
 /// Message where no candidate does the job.
-fn no_candidate(result: &StudyResult, folder: &Path) -> String {
+fn no_candidate(result: &StudyResult, table: &Path) -> String {
     let faults = result
         .all
         .iter()
@@ -96,7 +114,7 @@ fn no_candidate(result: &StudyResult, folder: &Path) -> String {
     format!(
         "none of {} candidates does the job{nearest}; see {}",
         result.all.len(),
-        folder.join("evaluations.csv").display()
+        table.display()
     )
 }
 
@@ -104,26 +122,25 @@ fn no_candidate(result: &StudyResult, folder: &Path) -> String {
 fn write_best(
     study: &StudyScene,
     best: &Appraisal,
-    folder: &Path,
-) -> Result<Vec<PathBuf>, CliError> {
+    results: &mut ResultFolder,
+) -> Result<(), CliError> {
     let failed = CliError::Failed;
     let own = study.settings.iter().cloned();
     let settings: Vec<Setting> = own.chain(study.space.settings(&best.point)).collect();
     let edited = with_values(&study.text, &study.file, &settings, BEST_MACHINE).map_err(failed)?;
-    let mut files = Vec::new();
-    if let Some(machine) = &edited.machine {
-        files.push(write_file(folder, BEST_MACHINE, machine)?);
-    }
-    let file = write_file(folder, BEST, &edited.scene)?;
-    let written = Scene::read(&file).map_err(|error| failed(error.to_string()))?;
+    let machine = edited.machine.clone();
+    let machines = |_: &Path| machine.clone().ok_or_else(|| "no machine".to_owned());
+    let (written, _) = Scene::parse_shown(&edited.scene, BEST, &[], &machines);
+    let written = written.map_err(|error| failed(error.to_string()))?;
     let meant = Scene::parse_set(&study.text, &study.file, &settings)
         .map_err(|error| failed(error.to_string()))?;
     if written.parameters != meant.parameters || written.job != meant.job {
-        let name = file.display();
-        return Err(failed(format!("{name}: is not the best candidate")));
+        return Err(failed(format!("{BEST}: is not the best candidate")));
     }
-    files.push(file);
-    Ok(files)
+    if let Some(machine) = edited.machine {
+        results.write(BEST_MACHINE, machine)?;
+    }
+    results.write(BEST, edited.scene).map(drop)
 }
 
 /// Arguments that make a candidate of the scene.

@@ -31,15 +31,21 @@ const OBJECTIVES: usize = 2;
 /// Refused: a range, a quantity, the scene or parts. Failed: no candidate does the job, or a file cannot be written.
 pub(super) fn command(args: &DesignArgs, stop: &AtomicBool) -> Result<bool, CliError> {
     let (text, file) = scene_text(&args.scene)?;
-    let (study, record) = match args.vary.merge.is_empty() {
+    // What stands in the way is said before hours of search.
+    let (study, record, results) = match args.vary.merge.is_empty() {
         true => {
             let study = asked_for(args, text, file)?;
+            let results = files::results(&folder_of(args, &draft_of(&study)?.name))?;
             let record = carried_out(args, &study, stop)?;
-            (study, record)
+            (study, record, results)
         }
-        false => record::merged(args, text, file)?,
+        false => {
+            let (study, record) = record::merged(args, text, file)?;
+            let results = files::results(&folder_of(args, &record.scene))?;
+            (study, record, results)
+        }
     };
-    files::write(args, &study, &record)?;
+    files::write(args, &study, &record, results)?;
     Ok(!record.partial)
 }
 
@@ -160,10 +166,12 @@ fn study_of(
     })
 }
 
-/// Folder of a study.
+/// Folder of a study, or of one part of it.
 fn folder_of(args: &DesignArgs, scene: &str) -> std::path::PathBuf {
+    let part = |[part, count]: [u32; 2]| format!("-{part}-of-{count}");
+    let part = args.vary.shard.map_or(String::new(), part);
     match &args.out {
         Some(folder) => folder.clone(),
-        None => Path::new("out").join(format!("{scene}-study")),
+        None => Path::new("out").join(format!("{scene}-study{part}")),
     }
 }

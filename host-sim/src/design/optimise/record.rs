@@ -9,6 +9,7 @@ use trirrr_design::optimise::{
     Appraisal, CandidateFault, DesignPoint, MapSettings, Objective, StudyMode, StudyScene,
 };
 use trirrr_scene::Scene;
+use trirrr_scene::read::files::{self, LONGEST_TABLE};
 
 /// Version of the file.
 const FORMAT: u32 = 1;
@@ -123,7 +124,7 @@ impl StudyRecord {
     /// Reads a file.
     fn read(file: &Path) -> Result<Self, CliError> {
         let refused = |reason: String| CliError::Refused(format!("{}: {reason}", file.display()));
-        let text = std::fs::read_to_string(file)
+        let text = files::text_in(file, LONGEST_TABLE)
             .map_err(|error| refused(format!("cannot be read: {error}")))?;
         let record: Self = serde_json::from_str(&text)
             .map_err(|error| refused(format!("is no study.json: {error}")))?;

@@ -1,8 +1,9 @@
 //! Charts against time, of as many curves as a machine has legs and sliders.
 
+use crate::failure::CliError;
 use crate::figures::traces::Trace;
-use crate::figures::{FigureError, save};
-use std::path::{Path, PathBuf};
+use crate::results::ResultFolder;
+use std::path::PathBuf;
 use trirrr_figures::panel::{Curve, Panel, draw};
 use trirrr_linkage::redundant::scene::{RedundantLegRecord, RedundantRecord, SliderRecord};
 
@@ -106,7 +107,11 @@ impl<R> Figure<R> {
         }
     }
 
-    pub(super) fn write(self, folder: &Path, heading: &str) -> Result<PathBuf, FigureError> {
+    pub(super) fn write(
+        self,
+        results: &mut ResultFolder,
+        heading: &str,
+    ) -> Result<PathBuf, CliError> {
         let curve = |it: Gathered<R>| Curve {
             label: it.label.into(),
             points: it.trace.finish(),
@@ -121,6 +126,6 @@ impl<R> Figure<R> {
         };
         let panels: Vec<Panel> = self.charts.into_iter().map(panel).collect();
         let drawn = draw(&format!("{heading}: {}", self.title), &panels);
-        save(folder.join(self.file), drawn)
+        results.figure(self.file, drawn)
     }
 }

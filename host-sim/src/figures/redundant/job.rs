@@ -1,10 +1,11 @@
 //! Figures of the job of a redundant machine.
 
 use super::charts::{Charts, Figure, named};
+use crate::failure::CliError;
 use crate::figures::machine::{self, DrawnInstant, Scenery};
 use crate::figures::traces::is_drawn;
-use crate::figures::{FigureError, save};
-use std::path::{Path, PathBuf};
+use crate::results::ResultFolder;
+use std::path::PathBuf;
 use trirrr_figures::decimate::Decimator;
 use trirrr_linkage::redundant::scene::{RedundantRecord, RedundantScene};
 
@@ -47,14 +48,24 @@ impl RedundantTraces {
         self.seen += 1;
     }
 
-    /// Draws everything into `folder`, which must exist, and returns the files in order. `heading` begins every title.
+    /// Names of the files that [`write`](Self::write) writes.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        let figures = self.figures.iter().map(|figure| figure.file);
+        figures.chain([MACHINE])
+    }
+
+    /// Draws everything into the folder of `results`, and returns the files in order. `heading` begins every title.
     ///
     /// # Errors
-    /// The file that could not be written, and why.
-    pub fn write(self, folder: &Path, heading: &str) -> Result<Vec<PathBuf>, FigureError> {
+    /// Failed: a file that cannot be drawn or written.
+    pub fn write(
+        self,
+        results: &mut ResultFolder,
+        heading: &str,
+    ) -> Result<Vec<PathBuf>, CliError> {
         let mut files = Vec::new();
         for figure in self.figures {
-            files.push(figure.write(folder, heading)?);
+            files.push(figure.write(results, heading)?);
         }
         let points = self.path.finish().into_iter();
         let scenery = Scenery {
@@ -64,13 +75,13 @@ impl RedundantTraces {
             broken: Vec::new(),
         };
         let title = format!("{heading}: the machine and its path");
-        files.push(save(
-            folder.join("machine.svg"),
-            machine::draw(&title, &scenery),
-        )?);
+        files.push(results.figure(MACHINE, machine::draw(&title, &scenery))?);
         Ok(files)
     }
 }
+
+/// Figure of the machine along its path.
+const MACHINE: &str = "machine.svg";
 
 /// Both ends of each guide, m.
 fn guides(scene: &RedundantScene) -> Vec<[[f64; 2]; 2]> {

@@ -1,8 +1,9 @@
 //! Figures of the simulated machine.
 
 use super::charts::{Charts, Figure, Labelled, named};
-use crate::figures::FigureError;
-use std::path::{Path, PathBuf};
+use crate::failure::CliError;
+use crate::results::ResultFolder;
+use std::path::PathBuf;
 use trirrr_linkage::redundant::scene::RedundantScene;
 use trirrr_plant::redundant::RedundantRow;
 
@@ -76,12 +77,21 @@ impl RedundantPlantTraces {
         }
     }
 
-    /// Draws the figures into `folder`, which must exist. `heading` begins every title.
+    /// Names of the files that [`write`](Self::write) writes.
+    pub fn names(&self) -> impl Iterator<Item = &'static str> {
+        self.figures.iter().map(|figure| figure.file)
+    }
+
+    /// Draws the figures into the folder of `results`. `heading` begins every title.
     ///
     /// # Errors
-    /// The file that could not be written, and why.
-    pub fn write(self, folder: &Path, heading: &str) -> Result<Vec<PathBuf>, FigureError> {
+    /// Failed: a file that cannot be drawn or written.
+    pub fn write(
+        self,
+        results: &mut ResultFolder,
+        heading: &str,
+    ) -> Result<Vec<PathBuf>, CliError> {
         let files = self.figures.into_iter();
-        files.map(|figure| figure.write(folder, heading)).collect()
+        files.map(|figure| figure.write(results, heading)).collect()
     }
 }

@@ -4,8 +4,7 @@ mod print;
 
 use crate::failure::CliError;
 use crate::figures::ToleranceTraces;
-use crate::recording::unwritable;
-use std::fs::File;
+use crate::results::{ResultFolder, unwritable};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -34,7 +33,16 @@ pub(super) fn prepare<'s>(
         .map_err(|error| CliError::Refused(format!("{}: --tolerances: {error}", file.display())))
 }
 
-/// Bounds the whole job of `scene`, and writes tables and figures into `folder`, which must exist. `stop` ends the
+const TABLE: &str = "tolerances.csv";
+const BUDGET: &str = "tolerance_budget.csv";
+
+/// Names of the files that [`bound`] writes, for a scene with `torque` or without.
+pub(super) fn names(torque: bool) -> impl Iterator<Item = &'static str> {
+    let figures = ToleranceTraces::names(torque).iter().copied();
+    [TABLE, BUDGET].into_iter().chain(figures)
+}
+
+/// Bounds the whole job of `scene`, and writes tables and figures into `results`. `stop` ends the
 /// analysis early; what was computed until then is written.
 ///
 /// # Errors
@@ -42,12 +50,12 @@ pub(super) fn prepare<'s>(
 pub(super) fn bound<'s>(
     scene: &'s Scene,
     analysis: ToleranceAnalysis<'s>,
-    folder: &Path,
+    results: &mut ResultFolder,
     stop: &AtomicBool,
 ) -> Result<Bounded<'s>, CliError> {
-    let path = folder.join("tolerances.csv");
+    let (path, table) = results.table(TABLE)?;
     let failed = |error: io::Error| unwritable(&path, &error);
-    let mut table = BufWriter::new(File::create(&path).map_err(failed)?);
+    let mut table = BufWriter::new(table);
     writeln!(table, "{}", columns(scene).join(",")).map_err(failed)?;
     let mut worst = WorstCase::default();
     let mut traces = ToleranceTraces::new(scene.job.moves.len(), scene.torque);
@@ -63,10 +71,9 @@ pub(super) fn bound<'s>(
         writeln!(table, "{}", row(scene, &span).join(",")).map_err(failed)?;
     }
     table.flush().map_err(failed)?;
-    let budget = write_budget(scene, &analysis, &worst, folder)?;
+    let budget = results.write(BUDGET, budget(scene, &analysis, &worst))?;
     let mut files = vec![path.clone(), budget];
-    let figures = traces.write_all(folder, &scene.name);
-    files.extend(figures.map_err(|error| unwritable(&error.path, &error.source))?);
+    files.extend(traces.write_all(results, &scene.name)?);
     Ok(Bounded {
         analysis,
         worst,
@@ -132,13 +139,7 @@ fn row(scene: &Scene, span: &TimeSpan) -> Vec<String> {
 
 /// A row for each parameter that is not exact. Its shares in the error are those at the greatest distance, its share in
 /// a torque is that at the greatest torque of the motor; fields of what is not bounded are empty.
-fn write_budget(
-    scene: &Scene,
-    analysis: &ToleranceAnalysis,
-    worst: &WorstCase,
-    folder: &Path,
-) -> Result<PathBuf, CliError> {
-    let path = folder.join("tolerance_budget.csv");
+fn budget(scene: &Scene, analysis: &ToleranceAnalysis, worst: &WorstCase) -> String {
     let shares = worst.distance.map(|(_, tool)| analysis.budget(&tool));
     let torques = worst.torques.each_ref().map(|worst| worst.as_ref());
     let torques = [0, 1, 2]
@@ -181,16 +182,10 @@ fn write_budget(
         }
         text.push('\n');
     }
-    std::fs::write(&path, text).map_err(|error| unwritable(&path, &error))?;
-    Ok(path)
+    text
 }
 
 impl Bounded<'_> {
-    /// Returns the files written.
-    pub(super) fn files(&self) -> &[PathBuf] {
-        &self.files
-    }
-
     /// Returns `true` if the user ended the analysis.
     pub(super) fn is_stopped(&self) -> bool {
         self.is_stopped

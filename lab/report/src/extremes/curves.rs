@@ -199,7 +199,7 @@ impl PlaceErrors {
 }
 
 /// Writes the tables and figures of all curves. `like` gives masses, gravity and payload.
-pub(super) fn write(page: &mut Page<'_>, like: &Parameters) -> Result<(), ReportError> {
+pub(super) fn write(page: &mut Page, like: &Parameters) -> Result<(), ReportError> {
     page.heading(3, "Error against the distance from an edge");
     page.paragraph(&format!(
         "{MACHINES} random machines with link masses, in motion, at each place. *u cond*: the worst \

@@ -37,7 +37,7 @@ fn columns(cases: &[ExtremeCase]) -> [Column; 4] {
 pub(crate) const STEPS: usize = 2;
 
 /// Writes the section.
-pub(super) fn write(page: &mut Page<'_>, progress: &Progress<'_>) -> Result<(), ReportError> {
+pub(super) fn write(page: &mut Page, progress: &Progress<'_>) -> Result<(), ReportError> {
     let cases = cases::all()?;
     let columns = progress.step(columns(&cases));
     page.heading(2, "Extremes of the tick");

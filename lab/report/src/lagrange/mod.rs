@@ -86,7 +86,7 @@ impl LagrangeDifference {
 }
 
 /// Writes the section.
-pub(super) fn write(page: &mut Page<'_>, progress: &Progress<'_>) -> Result<(), ReportError> {
+pub(super) fn write(page: &mut Page, progress: &Progress<'_>) -> Result<(), ReportError> {
     let variants = all()?;
     let found: Vec<LagrangeDifference> = variants
         .par_iter()

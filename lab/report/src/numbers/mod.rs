@@ -37,7 +37,7 @@ struct TypeFindings {
 }
 
 /// Writes the section.
-pub(super) fn write(page: &mut Page<'_>, progress: &Progress<'_>) -> Result<(), ReportError> {
+pub(super) fn write(page: &mut Page, progress: &Progress<'_>) -> Result<(), ReportError> {
     let scenes = shipped()?;
     let instants: Vec<Vec<Instant>> = scenes.iter().map(exact::instants).collect();
     progress.step(());
@@ -354,7 +354,7 @@ impl Cloud<'_> {
     /// all, and that of each mark, for a core is rarely a choice.
     fn write(
         &self,
-        page: &mut Page<'_>,
+        page: &mut Page,
         file: &str,
         measured: &[TypeFindings],
         point: impl Fn(&TypeFindings, usize) -> Option<(f64, f64)>,

@@ -68,7 +68,7 @@ struct CaseFindings {
 pub(crate) const STEPS: usize = CASES.len() + 1;
 
 /// Writes the section.
-pub(super) fn write(page: &mut Page<'_>, progress: &Progress<'_>) -> Result<(), ReportError> {
+pub(super) fn write(page: &mut Page, progress: &Progress<'_>) -> Result<(), ReportError> {
     let found = CASES.par_iter().map(|case| progress.step(study(case)));
     let found = found.collect::<Result<Vec<_>, _>>()?;
     page.heading(2, "Integrators: error against run time");
