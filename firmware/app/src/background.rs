@@ -44,13 +44,14 @@ impl<W: Write<u8>, L: Write<u8>, R: ReceivedBytes> Background<W, L, R> {
         }
     }
 
-    /// Works below every interrupt and never returns. Calls `feed_watchdog` after each tick that was in time.
-    pub fn run(&mut self, mut feed_watchdog: impl FnMut()) -> ! {
+    /// Works below every interrupt and never returns. Calls `after_tick` after each tick that was in time, with `true` if the watchdog is to
+    /// be fed.
+    pub fn run(&mut self, mut after_tick: impl FnMut(bool)) -> ! {
         // No sleep: out of sleep a tick starts late, a debugger loses the core, and in an emulator time
         // jumps with the host's.
         loop {
             if self.heartbeat.has_beaten() {
-                feed_watchdog();
+                after_tick(self.heartbeat.feeds());
             }
             self.line.send(&mut self.transmitter);
             // A slice of admission may outlast a tick: all that the line takes goes out before it, or samples

@@ -37,11 +37,16 @@ macro_rules! failure_handlers {
         }
 
         // The stack may be what has failed. So the entry uses none and starts the stack anew at its top. r0
-        // is the old stack pointer: the processor has put its registers there, if it could.
+        // is the old stack pointer: the processor has put its registers there, if it could. An interrupt or exception without a handler ends
+        // here, too: the program does not know what it has to do.
         core::arch::global_asm!(
             ".section .HardFault.entry, \"ax\"",
             ".global HardFault",
             ".type HardFault, %function",
+            ".global DefaultHandler",
+            ".type DefaultHandler, %function",
+            ".thumb_func",
+            "DefaultHandler:",
             ".thumb_func",
             "HardFault:",
             "mrs r0, msp",

@@ -113,6 +113,7 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
         if self.foreground.report_timing(duration, period) {
             heartbeat::beat();
         } else {
+            heartbeat::miss();
             self.switch_off();
             self.work();
         }

@@ -148,10 +148,10 @@ impl ImageSlot for NewImage {
         let outcome = match stage(&ImageFlash::take(), &LAYOUT) {
             Stage::None => UpdateOutcome::Never,
             // The boot loader leaves none of the other two behind.
-            Stage::Requested(_) | Stage::Saved | Stage::Installed => UpdateOutcome::Requested,
-            Stage::OnTrial => UpdateOutcome::OnTrial,
-            Stage::Confirmed => UpdateOutcome::Confirmed,
-            Stage::Reverted => UpdateOutcome::Reverted,
+            Stage::Requested(_) | Stage::Saved(_) | Stage::Installed(_) => UpdateOutcome::Requested,
+            Stage::OnTrial(_) => UpdateOutcome::OnTrial,
+            Stage::Confirmed(_) => UpdateOutcome::Confirmed,
+            Stage::Reverted(_) => UpdateOutcome::Reverted,
         };
         UpdateStatus {
             start: LAYOUT.program.start,

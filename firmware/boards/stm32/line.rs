@@ -63,7 +63,7 @@ pub(crate) struct LineReceiver {
 impl LineReceiver {
     /// Returns the number of bytes that have come, modulo 2^32.
     #[inline(never)]
-    fn look() -> u32 {
+    fn look(&self) -> u32 {
         if dma::is_there() {
             loop {
                 let rounds = ROUNDS.load(Ordering::Relaxed);
@@ -72,11 +72,12 @@ impl LineReceiver {
                 // A round that ends meanwhile belongs to one of both numbers, and it is not known to which.
                 let is_over = dma::is_round_over();
                 in_order();
-                if !is_over && ROUNDS.load(Ordering::Relaxed) == rounds {
-                    return rounds
-                        .wrapping_add(1)
-                        .wrapping_mul(ROUND)
-                        .wrapping_sub(left);
+                let ends = rounds.wrapping_add(1).wrapping_mul(ROUND);
+                let come = ends.wrapping_sub(left);
+                // Fewer than at the last look: the DMA has begun a round, and its flag comes some cycles later.
+                let is_behind = (come.wrapping_sub(self.come) as i32) < 0;
+                if !is_over && !is_behind && ROUNDS.load(Ordering::Relaxed) == rounds {
+                    return come;
                 }
             }
         }
@@ -97,7 +98,7 @@ impl ReceivedBytes for LineReceiver {
     #[inline(never)]
     fn next_byte(&mut self) -> Option<u8> {
         if self.come == self.read {
-            self.come = Self::look();
+            self.come = self.look();
             if self.come == self.read {
                 return None;
             }
@@ -107,7 +108,7 @@ impl ReceivedBytes for LineReceiver {
             .map(|place| place.load(Ordering::Relaxed));
         in_order();
         // Only now it is known that nothing was written over it.
-        self.come = Self::look();
+        self.come = self.look();
         let waiting = self.come.wrapping_sub(self.read);
         if waiting >= ROUND {
             // Nobody knows which of them are whole. Their frames are damaged, and the host repeats them.

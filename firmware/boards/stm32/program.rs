@@ -2,7 +2,8 @@
 //!
 //! | priority | interrupt | task |
 //! |---|---|---|
-//! | above all | NMI, PVD | the crystal has stopped, the supply sags: outputs off, start anew; in images of an STM32F405 with drives or a tool |
+//! | above all | NMI | the crystal has stopped: outputs off, start anew; in images with drives or a tool |
+//! | above all | PVD | the supply sags: the same, in images of an STM32F405 |
 //! | above all | NMI | a double word of the flash is lost; in images of an STM32G474 that are replaced over the line |
 //! | highest | that of the CAN controller | a frame from a drive into its queue, in images for drives on the bus; not a task |
 //! | 4 | TIM7 | a slot of the step pulses, in images for steppers; a sample of the loops, in images for amplifiers |
@@ -165,8 +166,10 @@ mod app {
     #[idle(local = [background, watchdog])]
     fn idle(context: idle::Context) -> ! {
         let watchdog = context.local.watchdog;
-        context.local.background.run(|| {
-            watchdog.feed();
+        context.local.background.run(|feeds| {
+            if feeds {
+                watchdog.feed();
+            }
             #[cfg(usb)]
             trirrr_app::usb::resume(crate::board::device::interrupt::USB);
             #[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]

@@ -75,8 +75,13 @@ pub trait Flash {
 pub struct FlashError {
     /// Address of the unit, or number of the sector.
     pub place: u32,
-    /// Status of the flash, as the chip has it; 0 where it reports no error and the content is another.
+    /// Status of the flash, as the chip has it; 0 where it reports no error and the content is another; [`Self::LOW_SUPPLY`].
     pub status: u32,
+}
+
+impl FlashError {
+    /// Status of an operation that was not begun, for the supply of the chip is too low for it. No flash has this bit.
+    pub const LOW_SUPPLY: u32 = 1 << 31;
 }
 
 /// Reads bytes from `address` on. `None` where the content of one is lost.

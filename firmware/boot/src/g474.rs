@@ -1,5 +1,5 @@
 //! Boot loader of the STM32G474, at the beginning of its flash. It runs from the internal oscillator and leaves all peripherals as a
-//! reset leaves them, the causes of the reset and the RAM included.
+//! reset leaves them, the causes of the reset and the RAM included; but for the watchdog, which runs.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -24,6 +24,16 @@ mod loader {
         if !is_expected() {
             SCB::sys_reset();
         }
+    }
+
+    #[cortex_m_rt::exception]
+    unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
+        SCB::sys_reset()
+    }
+
+    #[cortex_m_rt::exception]
+    unsafe fn DefaultHandler(_: i16) -> ! {
+        SCB::sys_reset()
     }
 
     #[panic_handler]

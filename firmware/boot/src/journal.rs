@@ -12,7 +12,15 @@ pub struct WholeImage {
     pub checksum: u32,
 }
 
-/// Stage of the last update.
+impl WholeImage {
+    /// Nothing is known of the image.
+    pub const UNKNOWN: Self = Self {
+        length: 0,
+        checksum: 0,
+    };
+}
+
+/// Stage of the last update, with the image that is or will be in place of the program; of [`Saved`](Self::Saved) that of the old one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// There was none, or nothing is known of it.
@@ -20,15 +28,15 @@ pub enum Stage {
     /// The new image is whole; the boot loader installs it at the next start.
     Requested(WholeImage),
     /// The program is saved in the slot of the old one.
-    Saved,
+    Saved(WholeImage),
     /// The new image is in place of the program, and was not started.
-    Installed,
+    Installed(WholeImage),
     /// The new program was started, and has not confirmed itself.
-    OnTrial,
+    OnTrial(WholeImage),
     /// The new program has confirmed itself.
-    Confirmed,
+    Confirmed(WholeImage),
     /// The old program is in its place again, or the new image was not installed.
-    Reverted,
+    Reverted(WholeImage),
 }
 
 /// A record that could not be appended.
@@ -56,41 +64,47 @@ const BYTES: u32 = 4 * WORDS;
 const TRIES: u32 = 4;
 
 impl Stage {
-    /// Kinds of records, far from each other and from erased flash.
-    const KINDS: [(u32, Self); 5] = [
-        (0x5341_5645, Self::Saved),
-        (0x494E_5354, Self::Installed),
-        (0x5452_4941, Self::OnTrial),
-        (0x434F_4E46, Self::Confirmed),
-        (0x5245_5645, Self::Reverted),
-    ];
-
-    const REQUESTED: u32 = 0x5245_5155;
-
     fn record(self) -> [[u8; 4]; WORDS as usize] {
-        let kind = |stage| Self::KINDS.into_iter().find(|(_, of)| *of == stage);
-        let content = match self {
-            Self::Requested(image) => [Self::REQUESTED, image.length, image.checksum],
-            stage => [kind(stage).map_or(0, |(kind, _)| kind), 0, 0],
+        // Kinds far from each other and from erased flash.
+        let (kind, image) = match self {
+            Self::None => (0, WholeImage::UNKNOWN),
+            Self::Requested(image) => (0x5245_5155, image),
+            Self::Saved(image) => (0x5341_5645, image),
+            Self::Installed(image) => (0x494E_5354, image),
+            Self::OnTrial(image) => (0x5452_4941, image),
+            Self::Confirmed(image) => (0x434F_4E46, image),
+            Self::Reverted(image) => (0x5245_5645, image),
         };
+        let content = [kind, image.length, image.checksum];
         let [a, b, c] = content;
         [a, b, c, check(content)].map(u32::to_le_bytes)
     }
 
-    fn of_record([kind, length, checksum, sum]: [u32; WORDS as usize]) -> Option<Self> {
+    fn of_record(words: [u32; WORDS as usize]) -> Option<Self> {
+        let [kind, length, checksum, sum] = words;
         if sum != check([kind, length, checksum]) {
             return None;
         }
-        if kind == Self::REQUESTED {
-            return Some(Self::Requested(WholeImage { length, checksum }));
-        }
-        let known = Self::KINDS.into_iter().find(|(of, _)| *of == kind);
-        known.map(|(_, stage)| stage)
+        let image = WholeImage { length, checksum };
+        let stages = [
+            Self::Requested(image),
+            Self::Saved(image),
+            Self::Installed(image),
+            Self::OnTrial(image),
+            Self::Confirmed(image),
+            Self::Reverted(image),
+        ];
+        let is = |stage: &Self| stage.record()[0] == kind.to_le_bytes();
+        stages.into_iter().find(is)
     }
 
-    /// Returns true if nothing is left for the boot loader.
-    pub(crate) fn is_settled(self) -> bool {
-        matches!(self, Self::None | Self::Confirmed | Self::Reverted)
+    /// The image that is in place of the program, where nothing is left for the boot loader.
+    pub(crate) fn settled(self) -> Option<WholeImage> {
+        match self {
+            Self::None => Some(WholeImage::UNKNOWN),
+            Self::Confirmed(image) | Self::Reverted(image) => Some(image),
+            _ => None,
+        }
     }
 }
 
@@ -130,11 +144,20 @@ fn is_free<F: Flash>(flash: &F, at: u32) -> bool {
 
 /// Returns the stage of the last update.
 pub fn stage<F: Flash>(flash: &F, layout: &Layout) -> Stage {
-    let last = records(&layout.journal)
+    last(flash, layout, Some).unwrap_or(Stage::None)
+}
+
+/// Looks at the stages, the last first, until `look` finds something.
+pub(crate) fn last<F: Flash, T>(
+    flash: &F,
+    layout: &Layout,
+    look: impl Fn(Stage) -> Option<T>,
+) -> Option<T> {
+    let used = records(&layout.journal)
         .rev()
-        .filter(|at| !is_free(flash, *at))
-        .find_map(|at| Stage::of_record(read(flash, at)?));
-    last.unwrap_or(Stage::None)
+        .filter(|at| !is_free(flash, *at));
+    let mut stages = used.filter_map(|at| Stage::of_record(read(flash, at)?));
+    stages.find_map(look)
 }
 
 /// Appends a record.
@@ -168,8 +191,12 @@ pub(crate) fn append<F: Flash>(
     result
 }
 
-/// Erases a journal that is more than half full and settled.
-pub(crate) fn make_room<F: Flash>(flash: &mut F, layout: &Layout) -> Result<(), JournalError> {
+/// Erases a journal that is more than half full, and whose stage is `settled`. A cut of the power may forget that.
+pub(crate) fn make_room<F: Flash>(
+    flash: &mut F,
+    layout: &Layout,
+    settled: Stage,
+) -> Result<(), JournalError> {
     let half = layout.journal.start + layout.journal.bytes() / 2;
     let used = |flash: &F, at: u32| !is_free(flash, at);
     if !records(&layout.journal).any(|at| at >= half && used(flash, at)) {
@@ -184,7 +211,10 @@ pub(crate) fn make_room<F: Flash>(flash: &mut F, layout: &Layout) -> Result<(), 
     for sector in layout.journal.sectors() {
         flash.erase(sector)?;
     }
-    Ok(())
+    match settled {
+        Stage::None => Ok(()),
+        stage => append(flash, layout, stage),
+    }
 }
 
 /// Asks the boot loader to install the new image at the next start.
@@ -205,7 +235,7 @@ pub fn request<F: Flash>(
 /// The journal is full, or the flash fails.
 pub fn confirm<F: Flash>(flash: &mut F, layout: &Layout) -> Result<(), JournalError> {
     match stage(flash, layout) {
-        Stage::OnTrial => append(flash, layout, Stage::Confirmed),
+        Stage::OnTrial(image) => append(flash, layout, Stage::Confirmed(image)),
         _ => Ok(()),
     }
 }

@@ -1,5 +1,5 @@
 //! Boot loader of the STM32F405, at the beginning of its flash. It runs from the internal oscillator and leaves all peripherals as a
-//! reset leaves them, the causes of the reset and the RAM included.
+//! reset leaves them, the causes of the reset and the RAM included; but for the watchdog, which runs, and behind a write to the flash the detector of the supply.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
 #[cfg(target_os = "none")]
@@ -16,6 +16,16 @@ mod loader {
         const LAYOUT: Layout = Layout::STM32F405;
         // SAFETY: the only one, and the boot loader lies in front of all slots. It has come from a reset.
         unsafe { start(ChipFlash::take(), &LAYOUT) }
+    }
+
+    #[cortex_m_rt::exception]
+    unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
+        SCB::sys_reset()
+    }
+
+    #[cortex_m_rt::exception]
+    unsafe fn DefaultHandler(_: i16) -> ! {
+        SCB::sys_reset()
     }
 
     #[panic_handler]

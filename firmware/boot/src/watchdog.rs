@@ -3,6 +3,7 @@
 use crate::registers::{READS, read, write};
 
 const KEY: u32 = 0x4000_3000;
+const FEED: u32 = 0xAAAA;
 const PRESCALER: u32 = 0x4000_3004;
 const RELOAD: u32 = 0x4000_3008;
 const STATUS: u32 = 0x4000_300C;
@@ -28,10 +29,15 @@ impl Period {
     };
 }
 
-/// Starts the watchdog.
+/// Starts the watchdog, or gives one that runs another period.
 pub fn start(period: Period) {
     write(KEY, 0xCCCC);
     set(period);
+}
+
+/// Begins a new period.
+pub fn feed() {
+    write(KEY, FEED);
 }
 
 /// Sets another period and feeds the watchdog. Returns the period before.
@@ -42,12 +48,12 @@ pub fn set(period: Period) -> Period {
         reload: read(RELOAD),
     };
     // The count goes on with the new prescaler until it is reloaded: from its beginning.
-    write(KEY, 0xAAAA);
+    feed();
     write(KEY, 0x5555);
     write(PRESCALER, period.prescaler);
     write(RELOAD, period.reload);
     settled();
-    write(KEY, 0xAAAA);
+    feed();
     before
 }
 

@@ -57,7 +57,9 @@ pub fn start(start: &Start) -> String {
     match start {
         Start::Power => "it was switched on".into(),
         Start::Reset => "it was reset, or its supply sagged".into(),
-        Start::Watchdog => "its watchdog: ticks did not come in time".into(),
+        Start::Watchdog => {
+            "its watchdog: ticks did not come in time, or its clock was far too slow".into()
+        }
         Start::Panic { file, line } => {
             format!("a panic in {}, line {line}", name(file))
         }

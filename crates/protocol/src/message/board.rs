@@ -74,7 +74,7 @@ pub enum Start {
     Power,
     /// The reset pin, a programmer, or a supply that sagged.
     Reset,
-    /// The watchdog: ticks did not come, or not in time.
+    /// The watchdog: ticks did not come, not in time, or far too slowly by its own oscillator.
     Watchdog,
     /// The program met what cannot be.
     Panic {

@@ -1,7 +1,9 @@
-//! Clock: the crystal and the PLL, waited for with a bound.
+//! Clock: the crystal and the PLL, waited for with a bound. The reference clock, which drives the watchdog, stays with the ring oscillator: a
+//! crystal that stops does not stop the watchdog.
 
 use crate::board::CRYSTAL_MHZ;
 use core::convert::Infallible;
+use core::ops::RangeInclusive;
 use rp2040_hal::clocks::{Clock, ClocksManager};
 use rp2040_hal::fugit::{HertzU32, RateExtU32};
 use rp2040_hal::pac::{CLOCKS, PLL_SYS, PLL_USB, RESETS, XOSC};
@@ -27,6 +29,8 @@ pub(super) struct PortRates {
     pub(super) peripheral: HertzU32,
     #[cfg(usb)]
     pub(super) usb: rp2040_hal::clocks::UsbClock,
+    /// Clock of the ring oscillator, MHz.
+    pub(super) ring_mhz: u8,
 }
 
 /// Starts crystal, PLL and the clocks made of it. Returns the clocks of the ports, or `None` if one of them
@@ -52,11 +56,6 @@ pub(super) fn start(
     let locked = within(|| pll.await_lock())?;
     let pll = pll.get_locked(locked);
 
-    let exact = crystal.operating_frequency();
-    clocks
-        .reference_clock
-        .configure_clock(&crystal, exact)
-        .ok()?;
     clocks
         .system_clock
         .configure_clock(&pll, CORE_HZ.Hz())
@@ -68,6 +67,7 @@ pub(super) fn start(
         .ok()?;
     #[cfg(usb)]
     let usb = {
+        let exact = crystal.operating_frequency();
         let pll = PhaseLockedLoop::new(usb_pll, exact, PLL_USB_48MHZ).ok()?;
         let pll = pll.initialize(resets);
         let locked = within(|| pll.await_lock())?;
@@ -83,7 +83,32 @@ pub(super) fn start(
         peripheral: clocks.peripheral_clock.freq(),
         #[cfg(usb)]
         usb,
+        ring_mhz: ring_mhz()?,
     })
+}
+
+/// Clocks of the ring oscillator, MHz: 1.8 to 12 by the data sheet (2.17), and rounded.
+const RING_MHZ: RangeInclusive<u32> = 1..=13;
+
+/// Measures the ring oscillator. The frequency counter (2.15.4) counts the crystal for a millisecond of the reference clock, which is the ring
+/// oscillator. Returns `None` if that cannot be.
+fn ring_mhz() -> Option<u8> {
+    /// Of the ring oscillator, as the counter takes it.
+    const ASSUMED_MHZ: u32 = 6;
+    // SAFETY: the registers of the counter, which nothing else uses; any value is one.
+    #[allow(unsafe_code)]
+    let counter = unsafe {
+        let counter = CLOCKS::steal();
+        let reference = counter.fc0_ref_khz();
+        reference.write(|w| w.fc0_ref_khz().bits(1000 * ASSUMED_MHZ));
+        counter.fc0_interval().write(|w| w.fc0_interval().bits(10));
+        counter
+    };
+    counter.fc0_src().write(|w| w.fc0_src().xosc_clksrc());
+    (0..READS).find(|_| counter.fc0_status().read().done().bit_is_set())?;
+    let khz = counter.fc0_result().read().khz().bits();
+    let mhz = (1000 * ASSUMED_MHZ * u32::from(CRYSTAL_MHZ) + khz / 2).checked_div(khz)?;
+    RING_MHZ.contains(&mhz).then_some(mhz as u8)
 }
 
 /// Result of `look`, if there is one within [`READS`] calls.

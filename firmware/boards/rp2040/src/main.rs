@@ -38,7 +38,7 @@ use common::*;
 #[cfg(target_os = "none")]
 #[rtic::app(device = crate::board::device, peripherals = true)]
 mod app {
-    use super::board::{CRYSTAL_MHZ, FIRMWARE, LogPort, LogTransmit, Pins};
+    use super::board::{FIRMWARE, LogPort, LogTransmit, Pins};
     use super::clock::{self, CORE_HZ};
     use super::drives::{self, DriveTimer};
     use super::inputs::{self, BoardInputs};
@@ -101,7 +101,7 @@ mod app {
             // crystal does.
             panic!("the crystal or the PLL does not start");
         };
-        watchdog.enable_tick_generation(CRYSTAL_MHZ);
+        watchdog.enable_tick_generation(clocks.ring_mhz);
 
         let sio = Sio::new(device.SIO);
         let pins = gpio::Pins::new(
@@ -204,8 +204,10 @@ mod app {
     #[idle(local = [background, watchdog])]
     fn idle(context: idle::Context) -> ! {
         let watchdog = context.local.watchdog;
-        context.local.background.run(|| {
-            watchdog.feed();
+        context.local.background.run(|feeds| {
+            if feeds {
+                watchdog.feed();
+            }
             #[cfg(usb)]
             trirrr_app::usb::resume(super::board::device::interrupt::USB);
         })

@@ -161,11 +161,14 @@ fn start_pll(rcc: &RCC, flash: &FLASH, crystal: bool) -> bool {
         w.icen().set_bit();
         w.dcen().set_bit()
     });
+    // Read back: from here on they count (RM0090, 3.5.1).
+    let _ = flash.acr().read();
     rcc.cfgr().modify(|_, w| {
         w.ppre1().div4();
         w.ppre2().div2()
     });
     // The switch to a locked PLL takes a few cycles.
     rcc.cfgr().modify(|_, w| w.sw().pll());
+    becomes(|| rcc.cfgr().read().sws().is_pll());
     true
 }

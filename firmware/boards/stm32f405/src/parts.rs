@@ -73,7 +73,7 @@ pub(crate) fn start(device: Peripherals) -> ChipParts {
         &start,
     );
     #[cfg(outputs)]
-    crate::protection::watch_supply(&device.EXTI);
+    crate::protection::watch_supply(&device.EXTI, &device.PWR);
     ChipParts {
         start,
         clock,

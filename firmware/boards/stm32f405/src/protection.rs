@@ -30,13 +30,17 @@ pub(super) fn await_supply(rcc: &RCC, pwr: &PWR) {
     }
 }
 
-/// From here on a supply that sags is an interrupt.
-pub(super) fn watch_supply(exti: &EXTI) {
+/// From here on a supply that sags is an interrupt. One that has sagged since [`await_supply`] ends the program now: the interrupt comes with
+/// the fall alone.
+pub(super) fn watch_supply(exti: &EXTI, pwr: &PWR) {
     // SAFETY: the line of the detector alone. Its handler shares nothing with a task, and does not return.
     unsafe {
         exti.rtsr().write(|w| w.bits(LINE));
         exti.imr().write(|w| w.bits(LINE));
         NVIC::unmask(Interrupt::PVD);
+    }
+    if pwr.csr().read().pvdo().bit_is_set() {
+        end::<Stm32f405>(&Start::LowSupply);
     }
 }
 

@@ -3,6 +3,10 @@
 use core::ops::Range;
 use stm32_metapac::RCC;
 use trirrr_app::failure::Chip;
+#[cfg(outputs)]
+use trirrr_app::failure::end;
+#[cfg(outputs)]
+use trirrr_protocol::message::Start;
 
 trirrr_app::failure_handlers!(Stm32g474);
 
@@ -27,11 +31,17 @@ impl Chip for Stm32g474 {
     }
 }
 
-/// The flash tells that a double word is lost: one that a cut of the power has left, or one of the program.
-#[cfg(update)]
+/// The crystal has stopped, and the chip has put the core on the internal oscillator; or the flash tells that a double word is lost: one that a
+/// cut of the power has left, or one of the program. Nothing masks this exception.
+#[cfg(any(outputs, update))]
 #[cortex_m_rt::exception]
 #[allow(unsafe_code)]
 unsafe fn NonMaskableInt() {
+    #[cfg(outputs)]
+    if RCC.cifr().read().cssf() {
+        end::<Stm32g474>(&Start::CrystalStopped);
+    }
+    #[cfg(update)]
     if !trirrr_app::is_lost_expected() {
         panic!("the flash has lost a part of the program");
     }

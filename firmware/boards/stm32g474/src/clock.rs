@@ -7,7 +7,7 @@ use crate::clocking::{HSI_HZ, becomes};
 use stm32_metapac::flash::vals::Latency;
 use stm32_metapac::rcc::vals::{Hpre, Pllm, Plln, Pllr, Pllsrc, Sw};
 use stm32_metapac::{FLASH, PWR, RCC};
-use trirrr_protocol::message::Clock;
+use trirrr_protocol::message::{Clock, Start};
 
 /// Of the internal oscillator, as of [`board::PLL`]: twice the clock of the core.
 const INTERNAL_PLL: Pll = Pll {
@@ -37,15 +37,21 @@ pub(super) const FAST: Clocks = Clocks::of(170_000_000);
 /// and without, as after a reset.
 pub(super) const SLOW: Clocks = Clocks::of(HSI_HZ);
 
-/// Starts the crystal and the PLL, as far as both start.
-pub(super) fn start() -> (Clock, Clocks) {
-    RCC.cr().modify(|w| w.set_hseon(true));
-    let crystal = becomes(|| RCC.cr().read().hserdy());
+/// Starts the crystal and the PLL, as far as both start. A crystal that stopped in the run before is left out: it may stop again.
+pub(super) fn start(start: &Start) -> (Clock, Clocks) {
+    let has_stopped = *start == Start::CrystalStopped;
+    RCC.cr().modify(|w| w.set_hseon(!has_stopped));
+    let crystal = !has_stopped && becomes(|| RCC.cr().read().hserdy());
     if !crystal {
         RCC.cr().modify(|w| w.set_hseon(false));
     }
     match (crystal, start_pll(crystal)) {
-        (true, true) => (Clock::Crystal, FAST),
+        (true, true) => {
+            // From here on a crystal that stops is an exception, and the core goes on from the internal oscillator.
+            #[cfg(outputs)]
+            RCC.cr().modify(|w| w.set_csson(true));
+            (Clock::Crystal, FAST)
+        }
         (false, true) => (Clock::Internal, FAST),
         (_, false) => (Clock::Slow, SLOW),
     }
@@ -80,6 +86,8 @@ fn start_pll(crystal: bool) -> bool {
         w.set_icen(true);
         w.set_dcen(true);
     });
+    // Read back: from here on they count.
+    let _ = FLASH.acr().read();
     // Half of the clock for a microsecond at least. The switch to a locked PLL takes a few cycles.
     RCC.cfgr().modify(|w| w.set_hpre(Hpre::DIV2));
     RCC.cfgr().modify(|w| w.set_sw(Sw::PLL1_R));

@@ -58,7 +58,7 @@ pub(crate) fn start(_: device::Peripherals) -> ChipParts {
     RCC.ccipr().modify(|w| w.set_fdcansel(Fdcansel::PCLK1));
     // Timers go on where a debugger holds the core: pulses of the tool. The watchdog ends them.
     DBGMCU.apb1lfzr().modify(|w| w.set_iwdg(!cfg!(outputs)));
-    let (clock, clocks) = clock::start();
+    let (clock, clocks) = clock::start(&start);
     ChipParts {
         start,
         clock,

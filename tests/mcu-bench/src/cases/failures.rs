@@ -1,9 +1,9 @@
 //! Failures in the middle of a job: the time until every output is off, and what the board says afterwards.
 
-use super::{OSCILLATOR_HZ, Row, Subject, fact, name, never_on, off_within, usb};
+use super::{OSCILLATOR_HZ, Row, Subject, fact, name, never_on, off_within, time, usb};
 use crate::chip::ResetCause;
 use crate::cpu::{Board, Hang};
-use crate::time::{MS, Time, of_seconds, period};
+use crate::time::{MS, SECOND, Time, of_seconds, period};
 use crate::wiring;
 use anyhow::{Context, Result};
 
@@ -182,7 +182,7 @@ pub(super) fn watchdog(subject: &Subject) -> Result<Vec<Row>> {
 pub(super) fn clock(subject: &Subject) -> Result<Vec<Row>> {
     let (mut board, _) = subject.in_mid_job(OSCILLATOR_HZ[0])?;
     let since = board.now();
-    board.stop_crystal();
+    board.chip().stop_crystal();
     let outputs = subject.outputs();
     if subject.has_usb {
         // Without the crystal no host hears what the board has to tell.
@@ -216,6 +216,73 @@ pub(super) fn clock(subject: &Subject) -> Result<Vec<Row>> {
         since + FAILS_WITHIN,
     ));
     Ok(rows)
+}
+
+/// The clock of the core becomes far slower in mid-move, and nothing tells so: every tick seems to be in time. The watchdog is fed by the count
+/// of ticks, and bites.
+pub(super) fn free_run(subject: &Subject) -> Result<Vec<Row>> {
+    let mut rows = Vec::new();
+    let [typical, fast, slow] = OSCILLATOR_HZ;
+    for (part, oscillator_hz) in [(24, typical), (24, fast), (24, slow), (4, slow)] {
+        let (mut board, _) = subject.in_mid_job(oscillator_hz)?;
+        let since = board.now();
+        let hz = SECOND / board.core_period() / part;
+        board.chip().run_free(hz);
+        // It may be fed once more, after ticks that were counted before.
+        let bound = 2 * board.chip().watchdog.timeout();
+        board.run(since + bound + AFTER)?;
+        let outputs = subject.outputs();
+        let kilohertz = oscillator_hz / 1000;
+        let what = format!("core {part} times too slow, oscillator of {kilohertz} kHz");
+        rows.push(off_within(
+            &board, &outputs, "free-run", &what, since, bound,
+        ));
+        if part == 4 && !subject.has_usb {
+            rows.push(starts_with(subject, &mut board, "free-run", "Watchdog")?);
+        }
+    }
+    Ok(rows)
+}
+
+/// The supply sags at an instant of the start, and stays low: the board starts anew, and none runs at full speed.
+pub(super) fn late_sag(subject: &Subject) -> Result<Vec<Row>> {
+    let mut board = subject.switch_on()?;
+    while board.handled.is_empty() {
+        board.run(board.now() + MS / 10)?;
+    }
+    let instants: Vec<Time> = (0..board.now() + MS).step_by(MS as usize / 10).collect();
+    let (mut missed, mut longest) = (Vec::new(), 0);
+    for at in &instants {
+        let mut board = subject.switch_on()?;
+        board.run(*at)?;
+        board.chip().set_supply(2600);
+        // The start waits 0.1 s for a supply that is there.
+        while board.resets.len() < 2 && board.now() < at + 150 * MS {
+            board.run(board.now() + MS)?;
+        }
+        match board.resets.get(1) {
+            Some((reset, _)) => longest = longest.max(reset - at),
+            None => missed.push(time(*at)),
+        }
+    }
+    let what = format!(
+        "{} instants of the start: the sag is not noticed at",
+        instants.len()
+    );
+    let missed = if missed.is_empty() {
+        "none".into()
+    } else {
+        missed.join(", ")
+    };
+    let row = fact("late-sag", &what, missed, "none");
+    let noticed = Row {
+        case: "late-sag",
+        subject: "noticed after, at most".into(),
+        measured: time(longest),
+        bound: format!("≤ {}", time(120 * MS)),
+        holds: longest <= 120 * MS,
+    };
+    Ok(vec![row, noticed])
 }
 
 /// The supply of the chip sags in mid-move, and stays low for a while: nothing is on until it is back, nor then.

@@ -327,11 +327,9 @@ fn steps(subject: &Subject, board: &Board, played: &Played) -> Result<Vec<Row>> 
             first_step = first_step.min(on.map_or(0, |on| first - on.time));
         }
     }
-    // A slot begins late by the block that its interrupt waits for, or by what USB masks, and the pins follow within it.
-    let bound = match subject.has_usb {
-        true => slot - slots::late_cycles(subject) * board.core_period(),
-        false => slot - slot / 8,
-    };
+    // A slot begins late by the block that its interrupt waits for, or by what USB masks, and the pins follow within it: as the build
+    // has it for the times of a driver.
+    let bound = slot - slots::late_cycles(subject) * board.core_period();
     rows.push(Row {
         case: "job",
         subject: format!(

@@ -60,8 +60,8 @@ pub(crate) struct Subject {
 pub(crate) enum Needs {
     Any,
     Steppers,
-    /// Steppers on a chip whose firmware sees its crystal stop and its supply sag.
-    Protection,
+    /// Steppers on a chip whose firmware sees its supply sag.
+    Supply,
     Amplifiers,
     Bus,
     /// None: the image is replaced over the line.
@@ -90,7 +90,7 @@ impl Case {
 }
 
 /// All cases.
-pub(crate) const CASES: [Case; 29] = [
+pub(crate) const CASES: [Case; 31] = [
     Case::of("power-up", Needs::Any, power_up::rest),
     Case::of("crystal", Needs::Any, power_up::crystal),
     Case::of("job", Needs::Steppers, job::run),
@@ -98,8 +98,10 @@ pub(crate) const CASES: [Case; 29] = [
     Case::of("panic", Needs::Steppers, failures::panic),
     Case::of("hard-fault", Needs::Steppers, failures::hard_fault),
     Case::of("watchdog", Needs::Steppers, failures::watchdog),
-    Case::of("clock", Needs::Protection, failures::clock),
-    Case::of("supply", Needs::Protection, failures::supply),
+    Case::of("clock", Needs::Steppers, failures::clock),
+    Case::of("free-run", Needs::Steppers, failures::free_run),
+    Case::of("supply", Needs::Supply, failures::supply),
+    Case::of("late-sag", Needs::Supply, failures::late_sag),
     Case::of("halt", Needs::Steppers, failures::halt),
     Case::of("cable", Needs::Steppers, failures::cable),
     Case::of("amplifiers", Needs::Amplifiers, amplifiers::moving),
@@ -179,7 +181,7 @@ impl Subject {
             Needs::SceneOverLine => self.update.is_some() && self.scene.service.scene_over_line,
             Needs::Steppers => matches!(kind, Some(DriveKind::Stepper(_))),
             Needs::Usb => self.has_usb && self.has(Needs::Steppers),
-            Needs::Protection => self.has(Needs::Steppers) && self.kind == Kind::Stm32f405,
+            Needs::Supply => self.has(Needs::Steppers) && self.kind == Kind::Stm32f405,
             Needs::Amplifiers => matches!(kind, Some(DriveKind::Bldc(_))),
             // The scene of an image that is replaced has small motors, which the random jobs ask too much of.
             Needs::NoDrives => kind.is_none() && self.update.is_none(),

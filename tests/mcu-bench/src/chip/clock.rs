@@ -14,6 +14,10 @@ const CRYSTAL_START: Time = 2 * MS;
 /// Time until the PLL is locked: the data sheet's longest.
 const LOCK: Time = 3 * MS / 10;
 
+/// Clock of the core from a PLL whose crystal has stopped, Hz: its oscillator goes on at its lowest. Reports of other STM32s have a twentieth of
+/// the clock (`docs/board.md`, clock).
+const FREE_RUN_HZ: u64 = 8_000_000;
+
 /// Crystal of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Crystal {
@@ -74,6 +78,10 @@ pub(crate) struct ClockControl {
     status: u32,
     crystal_since: Time,
     pll_since: Time,
+    /// Clock of the core from a PLL that follows no crystal, Hz.
+    free_hz: Option<u64>,
+    /// The security system has told that the crystal has stopped.
+    told: bool,
 }
 
 const HSE_ON: u32 = 1 << 16;
@@ -93,6 +101,8 @@ impl ClockControl {
             status: 0,
             crystal_since: 0,
             pll_since: 0,
+            free_hz: None,
+            told: false,
         }
     }
 
@@ -127,9 +137,10 @@ impl ClockControl {
         }
     }
 
-    /// The crystal stops. Returns true if the clock security system puts the core on the internal oscillator for it.
+    /// The crystal stops. Returns true if the clock security system puts the core on the internal oscillator for it; without, the PLL runs free.
     pub(crate) fn stop_crystal(&mut self) -> bool {
         self.crystal = Crystal::Missing;
+        self.run_free(FREE_RUN_HZ);
         let sees = self.control & (SECURITY_ON | HSE_ON) == SECURITY_ON | HSE_ON;
         if sees {
             if self.is_fed_by_crystal() {
@@ -139,8 +150,28 @@ impl ClockControl {
             if self.pll & PLL_OF_CRYSTAL != 0 {
                 self.control &= !PLL_ON;
             }
+            self.told = true;
         }
         sees
+    }
+
+    /// The PLL follows its crystal no more, and makes another clock of the core, Hz.
+    pub(crate) fn run_free(&mut self, hz: u64) {
+        self.free_hz = Some(hz);
+    }
+
+    fn runs_free(&self) -> bool {
+        self.pll & PLL_OF_CRYSTAL != 0 && self.free_hz.is_some()
+    }
+
+    /// Returns true if the security system has told of a crystal that has stopped, and was not answered.
+    pub(super) fn has_told(&self) -> bool {
+        self.told
+    }
+
+    /// The program has seen what the security system tells.
+    pub(super) fn answer(&mut self) {
+        self.told = false;
     }
 
     /// Returns the period of the crystal's clock behind the divider for the real-time clock, once it is ready.
@@ -211,6 +242,7 @@ impl ClockControl {
         };
         let core_hz = match self.configuration & 3 {
             1 => crystal_hz,
+            2 if self.runs_free() => self.free_hz.unwrap_or(FREE_RUN_HZ),
             2 => {
                 let from = if self.pll & PLL_OF_CRYSTAL != 0 {
                     crystal_hz
@@ -278,7 +310,9 @@ mod tests {
     #[test]
     fn the_security_system_puts_the_core_on_the_internal_oscillator() {
         let mut control = started(Crystal::Runs { mhz: 8 }, CRYSTAL_START);
-        assert!(!control.clone().stop_crystal());
+        let mut without = control.clone();
+        assert!(!without.stop_crystal());
+        assert_eq!(without.clocks().core, period(FREE_RUN_HZ));
         control.write(0x00, 0x83 | HSE_ON | PLL_ON | SECURITY_ON, CRYSTAL_START);
         assert!(control.is_fed_by_crystal() && control.stop_crystal());
         assert!(!control.is_fed_by_crystal());

@@ -111,6 +111,7 @@ pub(super) fn read_clock(
             Some(written & !0xC | (written & 3) << 2)
         }
         0x0C => Some(written(0x0C).unwrap_or(0x1000)),
+        0x1C => Some(u32::from(clock.has_told()) << 8),
         0x94 => clock.read(0x74, now).map(cause),
         _ => None,
     }
@@ -137,6 +138,12 @@ pub(super) fn write_clock(clock: &mut ClockControl, offset: u32, value: u32, now
             let output = value >> 25 & 3;
             let of_f405 = divider | factor << 6 | output << 16 | by_crystal << 22;
             clock.write(0x04, of_f405, now)
+        }
+        0x20 => {
+            if value >> 8 & 1 != 0 {
+                clock.answer();
+            }
+            true
         }
         0x94 => clock.write(0x74, (value >> 23 & 1) << 24, now),
         _ => false,

@@ -239,16 +239,20 @@ impl Chip {
         self.set_lines();
     }
 
-    /// The crystal stops. Returns `true` if the core goes on: by the clock security system, or without the crystal.
-    pub(crate) fn stop_crystal(&mut self) -> bool {
+    /// The crystal stops: the core goes on from the internal oscillator if the clock security system is on, or from a PLL that runs free.
+    pub(crate) fn stop_crystal(&mut self) {
         self.advance();
-        let fed = self.clock.is_fed_by_crystal();
         if self.clock.stop_crystal() {
             self.interrupts.fail();
-            self.set_clocks();
-            return true;
         }
-        !fed
+        self.set_clocks();
+    }
+
+    /// The PLL makes another clock of the core, Hz, and nothing tells so.
+    pub(crate) fn run_free(&mut self, hz: u64) {
+        self.advance();
+        self.clock.run_free(hz);
+        self.set_clocks();
     }
 
     /// Returns true if the watchdog counts while a debugger holds the core.

@@ -50,8 +50,6 @@ pub(crate) struct Board {
     uc: Unicorn<'static, World>,
     /// The processor has stopped for good, after a fault in the handler of faults.
     pub(crate) locked_up: bool,
-    /// The clock of the core stands: its crystal died under the PLL.
-    pub(crate) clock_stands: bool,
     /// A debugger holds the core.
     pub(crate) halted: bool,
     /// Code does not go on: it is hung on purpose.
@@ -111,7 +109,6 @@ impl Board {
         let mut board = Self {
             uc,
             locked_up: false,
-            clock_stands: false,
             halted: false,
             hung: None,
             handled: Vec::new(),
@@ -155,11 +152,6 @@ impl Board {
         let cut_off = self.cut_off.iter().copied();
         let of = handled.chain(cut_off).filter(|(of, _)| *of == exception);
         of.map(|(_, begin)| begin).max()
-    }
-
-    /// The crystal stops: the core goes on from the internal oscillator if the clock security system is on, or stands.
-    pub(crate) fn stop_crystal(&mut self) {
-        self.clock_stands = !self.chip().stop_crystal();
     }
 
     /// Sends the program to an address.
@@ -236,7 +228,6 @@ impl Board {
             .map(|(exception, begin, _)| (exception, begin));
         self.cut_off.extend(cut);
         self.locked_up = false;
-        self.clock_stands = false;
         self.halted = false;
         let (stack, entry) = (self.word(FLASH)?, self.word(FLASH + 4)?);
         for register in [
@@ -275,7 +266,7 @@ impl Board {
                 self.reset(ResetCause::Software)?;
                 continue;
             }
-            if self.locked_up || self.clock_stands || self.halted {
+            if self.locked_up || self.halted {
                 // No code runs; the watchdog does.
                 let chip = self.chip();
                 let bite = chip.watchdog.bite().filter(|_| watches).unwrap_or(end);
