@@ -1,46 +1,26 @@
-//! Conversation with a sender.
+//! Conversation with senders, one after another.
 
 mod commands;
+mod hold;
 mod motion;
 mod probing;
 mod real_time;
+mod wait;
 
 use crate::fault;
-use crate::input::{RealTime, SentBytes, SentLine};
-use crate::report::Overrides;
+use crate::input::{MOST, RealTime, SentBytes, SentLine};
+use crate::report::{Overrides, Reporter};
 use crate::settings::{MachineFacts, Settings};
+use crate::state::State;
 use crate::view::{MachineAct, MachinePhase, MachineView, MotionCheck};
+use hold::Held;
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_toolpath::gcode::{GcodeSetup, Interpreter};
-use trirrr_toolpath::{Element, InputAct, InputChange, OutputAct, ToolPlace};
+use trirrr_toolpath::{Element, ToolPlace};
+use wait::Wait;
 
-/// Reason for which no line is carried out now.
-#[derive(Clone, Copy, Debug, PartialEq)]
-enum Wait {
-    /// The machine plays what came before a stand of so many seconds.
-    Dwell(f64),
-    /// The machine stands until this time.
-    Until(Duration),
-    /// The machine plays what came before a pause of the program.
-    Pause,
-    /// The program waits for the user.
-    Paused,
-    /// The machine plays what comes before a change of an output.
-    Output(OutputAct),
-    /// The machine plays what comes before a wait for an input.
-    Input(InputAct),
-    /// The machine stands until the input is as the program wants it, at the latest until this time.
-    Level(InputAct, Duration),
-    /// The machine comes to rest: its place is then that of the path.
-    Stand,
-    /// Drives go on. True: until the reference is found, too.
-    Awake(bool),
-    /// A motion with the probe is under way. `must`: an end without a contact is an alarm.
-    Probe { must: bool },
-}
-
-/// Conversation with one sender. See the [crate](crate).
+/// Conversation with senders, one after another. See the [crate](crate).
 #[derive(Debug)]
 pub struct Dialect {
     settings: Settings,
@@ -61,35 +41,42 @@ pub struct Dialect {
     line: u32,
     /// The motions under way are a jog.
     is_jog: bool,
-    /// A motion was refused: everything waits for `$X`.
+    /// Everything waits for `$X`.
     is_locked: bool,
-    /// A fault was told.
+    /// A fault, or the loss of the machine, was told.
     has_told: bool,
-    /// The machine was usable once.
-    was_on: bool,
+    /// Drives are off because the sender wants it.
+    is_asleep: bool,
     is_check: bool,
-    is_door: bool,
+    held: Option<Held>,
+    /// The machine goes on after a door.
+    is_restoring: bool,
     is_closed: bool,
     /// Motions were handed over, and nothing after them.
     is_open: bool,
     overrides: Overrides,
     /// Place where the probe has touched last, or where a motion with it has ended without.
     contact: (ToolPlace, bool),
-    reports: u32,
+    reporter: Reporter,
     /// Time since which there was nothing to hand over.
     quiet_since: Option<Duration>,
+    /// Time of the last step.
+    now: Duration,
 }
 
 /// Time without another line after which the machine comes to rest at the end of what it has.
 const QUIET: Duration = Duration::from_millis(60);
 
+/// Lines that are carried out in a step: real-time bytes are heard in between.
+const LINES: usize = 16;
+
 impl Dialect {
-    /// Begins the conversation with a machine that stands at `start`. Work coordinates begin as those of the fixed frame.
-    /// `is_on`: its drives are on already. G28 goes to `start`.
-    pub fn new(facts: MachineFacts, start: ToolPlace, is_on: bool) -> Self {
+    /// Creates the dialect of a machine that stands at `start`. Work coordinates begin as those of the fixed frame. G28 goes to
+    /// `start`.
+    pub fn new(facts: MachineFacts, start: ToolPlace) -> Self {
         let settings = Settings::new(facts);
         let interpreter = interpreter(&settings, start);
-        let mut dialect = Self {
+        Self {
             settings,
             input: SentBytes::default(),
             output: Vec::new(),
@@ -98,25 +85,36 @@ impl Dialect {
             interpreter,
             start,
             waiting: VecDeque::new(),
-            wait: Some(Wait::Stand),
+            wait: None,
             owes_ok: false,
             ends: false,
             line: 0,
             is_jog: false,
-            is_locked: false,
+            is_locked: true,
             has_told: false,
-            was_on: is_on,
+            is_asleep: false,
             is_check: false,
-            is_door: false,
+            held: None,
+            is_restoring: false,
             is_closed: false,
             is_open: false,
             overrides: Overrides::NORMAL,
             contact: (ToolPlace::default(), false),
-            reports: 0,
+            reporter: Reporter::default(),
             quiet_since: None,
-        };
-        dialect.greet();
-        dialect
+            now: Duration::ZERO,
+        }
+    }
+
+    /// Begins with a sender that has just come. The machine is locked and drops what is left of the one before; zero points and
+    /// settings stay, all else is as after a reset.
+    pub fn connect(&mut self) {
+        (self.is_locked, self.has_told, self.is_closed) = (true, false, false);
+        self.line = 0;
+        self.input = SentBytes::default();
+        self.commands.clear();
+        self.output.clear();
+        self.reset();
     }
 
     /// Takes bytes of the sender.
@@ -128,11 +126,6 @@ impl Dialect {
             self.is_closed = true;
             self.message("this is a line for senders of G-code, and no page of the web");
         }
-    }
-
-    /// Returns true if the sender may send on.
-    pub fn wants_more(&self) -> bool {
-        self.input.wants_more()
     }
 
     /// Returns true if the link is to be closed: the far end is no sender.
@@ -150,15 +143,11 @@ impl Dialect {
         self.lock(reason, fault::ALARM_TRAVEL);
     }
 
-    /// Drops the program for a reason, with an alarm: everything waits for `$X`.
+    /// Drops the program for a reason, with an alarm: everything waits for `$X`. Lines that wait are answered one by one.
     fn lock(&mut self, reason: &str, alarm: u8) {
         self.message(reason);
         self.alarm(alarm);
-        // The line of a motion with the probe, or of a wait for an input, is answered at its end.
-        if matches!(self.wait, Some(Wait::Probe { .. } | Wait::Level(..))) {
-            self.error(fault::LOCKED);
-        }
-        self.drop_motions();
+        self.drop_program();
         self.is_locked = true;
         self.wait = Some(Wait::Stand);
     }
@@ -170,19 +159,42 @@ impl Dialect {
         view: &MachineView,
         reach: &dyn MotionCheck,
     ) -> Vec<MachineAct> {
+        let passed = now.saturating_sub(std::mem::replace(&mut self.now, now));
         self.watch(view);
         for command in std::mem::take(&mut self.commands) {
             self.real_time(command, view);
         }
-        let mut room = view.room;
+        self.watch_door(view);
+        if self.held.is_some() {
+            self.stand_still(passed);
+        }
+        if self.input.take_flood() {
+            self.input.clear();
+            let reason = format!(
+                "more than {MOST} bytes wait: a sender has to wait for answers. The program is dropped"
+            );
+            self.lock(&reason, fault::ALARM_FAULT);
+            self.acts.push(MachineAct::Stop);
+        }
+        self.carry_on(view, reach);
+        self.flush_if_quiet();
+        if view.is_empty && self.waiting.is_empty() && self.acts.is_empty() {
+            self.is_jog = false;
+        }
+        std::mem::take(&mut self.acts)
+    }
+
+    /// Hands over what waits, answers, and carries out the next lines, as far as it goes.
+    fn carry_on(&mut self, view: &MachineView, reach: &dyn MotionCheck) {
+        let (mut room, mut lines) = (view.room, LINES);
         loop {
             // What was handed over just now is not in the view.
             let is_empty = view.is_empty && self.acts.is_empty();
-            if !self.wait_is_over(now, view, is_empty) {
+            if !self.wait_is_over(view, is_empty) {
                 break;
             }
             if let Some(element) = self.waiting.front().copied() {
-                if !self.hand_over(element, &mut room) {
+                if self.held.is_some() || !self.hand_over(element, &mut room) {
                     break;
                 }
                 continue;
@@ -193,147 +205,95 @@ impl Dialect {
             if std::mem::take(&mut self.owes_ok) {
                 self.say("ok");
             }
-            let Some(line) = self.input.next() else {
+            if lines == 0 || !self.next_line(view, reach) {
                 break;
-            };
-            self.line = self.line.saturating_add(1);
-            self.carry_out(&line, view, reach);
+            }
+            lines -= 1;
         }
-        self.flush_if_quiet(now);
-        if view.is_empty && self.waiting.is_empty() && self.acts.is_empty() {
-            self.is_jog = false;
-        }
-        std::mem::take(&mut self.acts)
     }
 
-    /// Notices faults of the machine.
+    /// Carries out the next line. Returns false if there is none that may be carried out.
+    fn next_line(&mut self, view: &MachineView, reach: &dyn MotionCheck) -> bool {
+        let Some((line, is_cancelled)) = self.input.next() else {
+            return false;
+        };
+        let SentLine::Text(text) = line else {
+            self.line = self.line.saturating_add(1);
+            self.refuse(fault::OVERFLOW, "the line is longer than 990 bytes");
+            return true;
+        };
+        let words = words_of(&text);
+        // As in an alarm: the lines of a program that was dropped are answered, and not kept.
+        let waits = self.held.is_some() && !self.is_blocked(view);
+        if waits && !words.starts_with('$') {
+            self.input.put_back(&text, is_cancelled);
+            return false;
+        }
+        self.line = self.line.saturating_add(1);
+        match words.strip_prefix('$') {
+            Some(command) => self.command(command, is_cancelled, view, reach),
+            None if words.is_empty() && self.is_blocked(view) => self.say("ok"),
+            None => self.gcode(&text, &words, view, reach),
+        }
+        true
+    }
+
+    /// Notices faults of the machine, and its loss.
     fn watch(&mut self, view: &MachineView) {
-        let is_fault = view.phase == MachinePhase::Fault;
+        let is_fault = matches!(view.phase, MachinePhase::Fault | MachinePhase::Lost);
         if is_fault && !self.has_told {
             if let Some(reason) = &view.reason {
                 self.message(reason);
             }
             self.alarm(match self.wait {
-                Some(Wait::Awake(true)) => fault::ALARM_HOMING,
+                Some(Wait::Awake(true)) if view.phase == MachinePhase::Fault => fault::ALARM_HOMING,
                 _ => fault::ALARM_FAULT,
             });
-            let owed = self.owes_ok;
-            self.drop_motions();
+            self.drop_program();
             self.wait = None;
-            if owed {
-                self.error(fault::LOCKED);
-            }
+            self.is_locked = true;
         }
         self.has_told = is_fault;
-        self.was_on |= view.phase == MachinePhase::Idle;
         if is_fault || view.phase == MachinePhase::Off {
             self.interpreter.set_place(view.place);
         }
     }
 
-    /// Returns true if lines are carried out.
-    fn wait_is_over(&mut self, now: Duration, view: &MachineView, is_empty: bool) -> bool {
-        let Some(wait) = self.wait else {
-            return true;
-        };
-        let next = match wait {
-            Wait::Dwell(seconds) if is_empty => {
-                Some(Wait::Until(now + Duration::from_secs_f64(seconds)))
-            }
-            Wait::Until(time) if now >= time => None,
-            Wait::Pause if is_empty => Some(Wait::Paused),
-            Wait::Output(act) if is_empty => {
-                self.acts.push(MachineAct::Output(act));
-                None
-            }
-            Wait::Input(act) if is_empty => {
-                Some(Wait::Level(act, now.saturating_add(timeout(&act))))
-            }
-            Wait::Level(act, _) if view.inputs.is_some_and(|inputs| inputs.ends(&act)) => None,
-            Wait::Level(act, end) if now >= end => {
-                self.waited_in_vain(&act);
-                return false;
-            }
-            Wait::Stand if is_empty => {
-                self.interpreter.set_place(view.place);
-                None
-            }
-            // What the machine is to do about it is not in the view yet.
-            Wait::Awake(homes) => return self.acts.is_empty() && self.woke(view, homes),
-            Wait::Probe { must } => match &view.probe {
-                Some(end) if is_empty => {
-                    self.probed(end, must, view);
-                    return true;
-                }
-                _ => return false,
-            },
-            _ => return false,
-        };
-        self.wait = next;
-        next.is_none()
+    /// Returns true if no line may move the machine before `$X` or `$H`.
+    fn is_blocked(&self, view: &MachineView) -> bool {
+        matches!(self.state(view), State::Alarm | State::Sleep)
     }
 
-    /// Ends a wait for an input that has not come.
-    fn waited_in_vain(&mut self, act: &InputAct) {
-        let wanted = match act.until {
-            InputChange::Rise => "has not gone on",
-            InputChange::Fall => "has not gone off",
-            InputChange::High => "was not on",
-            InputChange::Low => "was not off",
-        };
-        let (line, index, seconds) = (self.line, act.index, act.timeout_s);
-        let reason = format!("line {line}: input {index} {wanted} within {seconds} s");
-        self.lock(&reason, fault::ALARM_NO_CONTACT);
-    }
-
-    /// Answers `$X` and `$H` once the machine is ready, or cannot be.
-    fn woke(&mut self, view: &MachineView, homes: bool) -> bool {
+    /// State in the words of GRBL.
+    fn state(&self, view: &MachineView) -> State {
+        let stands = matches!(self.wait, None | Some(Wait::Stand));
         match view.phase {
-            MachinePhase::Idle if view.is_empty => {
-                self.interpreter.set_place(view.place);
-                if !homes {
-                    self.message("Caution: Unlocked");
-                }
-            }
-            MachinePhase::Off if view.reason.is_some() => {
-                let reason = view.reason.clone().unwrap_or_default();
-                self.message(&reason);
-                if homes {
-                    self.alarm(fault::ALARM_HOMING);
-                }
-                self.owes_ok = false;
-                self.error(fault::LOCKED);
-            }
-            _ => return false,
-        }
-        self.wait = None;
-        true
-    }
-
-    fn carry_out(&mut self, line: &SentLine, view: &MachineView, reach: &dyn MotionCheck) {
-        let text = match line {
-            SentLine::Text(text) => text.trim(),
-            SentLine::TooLong => {
-                return self.refuse(fault::OVERFLOW, "the line is longer than 1,000 bytes");
-            }
-            SentLine::NoText => return self.refuse(fault::LETTER, "the line is no text"),
-        };
-        match text.strip_prefix('$') {
-            Some(command) => self.command(command, view, reach),
-            None => self.gcode(text, view, reach),
+            MachinePhase::Fault | MachinePhase::Lost => State::Alarm,
+            MachinePhase::Off if self.is_asleep => State::Sleep,
+            MachinePhase::Off => State::Alarm,
+            _ if self.is_locked => State::Alarm,
+            phase => match self.held_state(view) {
+                Some(state) => state,
+                None if phase == MachinePhase::Waking => State::Home,
+                None if self.is_check => State::Check,
+                // A stand is part of the program.
+                None if phase == MachinePhase::Idle && view.is_empty && stands => State::Idle,
+                None if self.is_jog => State::Jog,
+                None => State::Run,
+            },
         }
     }
 
     /// Lets the machine come to rest where no line follows.
-    fn flush_if_quiet(&mut self, now: Duration) {
-        if !self.acts.is_empty() || !self.waiting.is_empty() {
+    fn flush_if_quiet(&mut self) {
+        if !self.acts.is_empty() || !self.waiting.is_empty() || self.held.is_some() {
             self.quiet_since = None;
         }
-        if !self.is_open || !self.waiting.is_empty() {
+        if !self.is_open || !self.waiting.is_empty() || self.held.is_some() {
             return;
         }
-        let since = *self.quiet_since.get_or_insert(now);
-        if now >= since + QUIET || self.wait.is_some() {
+        let since = *self.quiet_since.get_or_insert(self.now);
+        if self.now >= since + QUIET || self.wait.is_some() {
             self.flush();
         }
     }
@@ -344,20 +304,22 @@ impl Dialect {
         }
     }
 
-    /// Drops what the machine has not taken.
-    fn drop_motions(&mut self) {
+    /// Drops what the machine has not taken. The line under way is answered.
+    fn drop_program(&mut self) {
         self.waiting.clear();
         self.is_open = false;
         self.is_jog = false;
-        self.input.clear();
-        self.owes_ok = false;
+        self.is_check = false;
         self.ends = false;
+        if std::mem::take(&mut self.owes_ok) {
+            self.error(fault::LOCKED);
+        }
     }
 
     fn greet(&mut self) {
         self.output
             .extend_from_slice(b"\r\nGrbl 1.1h ['$' for help]\r\n");
-        if self.is_locked || !self.was_on {
+        if self.is_locked {
             self.message("'$H'|'$X' to unlock");
         }
     }
@@ -394,19 +356,31 @@ impl Dialect {
     }
 }
 
+/// Words of a line as GRBL has them: without white space and comments, in capitals.
+fn words_of(text: &str) -> String {
+    let mut words = String::with_capacity(text.len());
+    let mut is_comment = false;
+    for c in text.chars() {
+        match c {
+            ')' if is_comment => is_comment = false,
+            _ if is_comment || c <= ' ' => {}
+            '(' => is_comment = true,
+            ';' => break,
+            _ => words.push(c.to_ascii_uppercase()),
+        }
+    }
+    words
+}
+
 fn interpreter(settings: &Settings, start: ToolPlace) -> Interpreter {
+    let facts = settings.facts();
     Interpreter::new(GcodeSetup {
         start,
         home: Some(start),
         full_power: settings.full_power,
-        ignore_z: settings.facts().ignore_z,
-        outputs: settings.facts().outputs,
-        inputs: settings.facts().inputs,
+        ignore_z: facts.ignore_z,
+        outputs: facts.outputs,
+        inputs: facts.inputs,
         ..GcodeSetup::default()
     })
-}
-
-/// Longest wait for an input.
-fn timeout(act: &InputAct) -> Duration {
-    Duration::try_from_secs_f64(act.timeout_s).unwrap_or(Duration::MAX)
 }

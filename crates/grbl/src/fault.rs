@@ -8,8 +8,8 @@ pub(crate) const LETTER: u8 = 1;
 pub(crate) const NUMBER: u8 = 2;
 /// A `$` command is not known or not supported.
 pub(crate) const STATEMENT: u8 = 3;
-/// There is no homing.
-pub(crate) const SETTING: u8 = 5;
+/// A number is negative.
+pub(crate) const NEGATIVE: u8 = 4;
 /// The command needs a machine that stands idle.
 pub(crate) const NOT_IDLE: u8 = 8;
 /// The machine is locked.
@@ -20,10 +20,14 @@ pub(crate) const OVERFLOW: u8 = 11;
 pub(crate) const TRAVEL: u8 = 15;
 /// A jog without `=`, or with a code that a jog has not.
 pub(crate) const JOG: u8 = 16;
+/// The door is open.
+pub(crate) const DOOR: u8 = 13;
 /// A code is not supported.
-const CODE: u8 = 20;
+pub(crate) const CODE: u8 = 20;
 /// There is no feed.
-const FEED: u8 = 22;
+pub(crate) const FEED: u8 = 22;
+/// A word that no code of the line uses.
+pub(crate) const UNUSED: u8 = 36;
 /// A motion with the probe has no length, or is none.
 pub(crate) const PROBE: u8 = 33;
 

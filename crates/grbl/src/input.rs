@@ -5,11 +5,14 @@ use std::collections::VecDeque;
 /// Bytes of GRBL's receive buffer, which senders count.
 pub(crate) const RECEIVE_BUFFER: usize = 128;
 
-/// Longest line, bytes: more is refused without being kept.
-const LONGEST: usize = 1000;
+/// Longest line, bytes. What a comment has beyond is left out; a line with more is refused without being kept.
+const LONGEST: usize = 990;
 
-/// Bytes that wait, beyond which no more are wanted. Senders that count never come near.
-const MOST: usize = 4 * RECEIVE_BUFFER;
+/// Bytes of whole lines that are kept. Senders that count never come near; all that come are read, for a `!` may be behind them.
+pub(crate) const MOST: usize = 4 << 20;
+
+/// Stands for a line that is too long: no line has such a byte.
+const TOO_LONG: u8 = 0x80;
 
 /// Methods with which a client of the web begins: none is G-code.
 const WEB: [&str; 7] = [
@@ -45,19 +48,33 @@ pub(crate) enum Override {
 pub(crate) enum SentLine {
     Text(String),
     TooLong,
-    NoText,
+}
+
+/// Comment that the line under way is in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Comment {
+    #[default]
+    None,
+    Brackets,
+    ToTheEnd,
 }
 
 /// Bytes that came, taken apart.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct SentBytes {
     line: Vec<u8>,
+    comment: Comment,
     is_too_long: bool,
-    lines: VecDeque<(SentLine, usize)>,
-    /// Bytes of whole lines that wait.
-    waiting: usize,
+    /// Whole lines that wait, each with a line feed.
+    waiting: VecDeque<u8>,
+    /// Waiting lines, of the first ones, that a jog cancel has come behind.
+    cancelled: usize,
     /// The last byte ended a line by a carriage return.
     after_return: bool,
+    /// A whole line has come.
+    has_begun: bool,
+    /// Lines were dropped, because too many wait.
+    is_flooded: bool,
 }
 
 impl SentBytes {
@@ -66,8 +83,10 @@ impl SentBytes {
         for &byte in bytes {
             if let Some(command) = real_time(byte) {
                 commands.extend(command);
-                if command == Some(RealTime::Reset) {
-                    self.clear();
+                match command {
+                    Some(RealTime::Reset) => self.clear(),
+                    Some(RealTime::JogCancel) => self.cancel_jogs(),
+                    _ => {}
                 }
                 continue;
             }
@@ -78,63 +97,99 @@ impl SentBytes {
                     self.after_return = byte == b'\r';
                     self.end_line();
                 }
-                _ if self.line.len() >= LONGEST => self.is_too_long = true,
-                _ => self.line.push(byte),
+                _ => self.put(byte),
             }
-            if byte == b' ' && self.lines.is_empty() && is_web(&self.line) {
+            if byte == b' ' && !self.has_begun && is_web(&self.line) {
                 return None;
             }
         }
         Some(())
     }
 
-    /// Returns true if the sender may send on: who counts bytes always may.
-    pub(crate) fn wants_more(&self) -> bool {
-        self.waiting + self.line.len() < MOST
-    }
-
     /// Bytes of the buffer that are free, as GRBL reports them.
     pub(crate) fn free(&self) -> usize {
-        RECEIVE_BUFFER.saturating_sub(self.waiting + self.line.len())
+        RECEIVE_BUFFER.saturating_sub(self.waiting.len() + self.line.len())
     }
 
-    /// Next whole line.
-    pub(crate) fn next(&mut self) -> Option<SentLine> {
-        let (line, bytes) = self.lines.pop_front()?;
-        self.waiting -= bytes;
-        Some(line)
+    /// Next whole line; `true`: jogs are cancelled up to here.
+    pub(crate) fn next(&mut self) -> Option<(SentLine, bool)> {
+        let end = self.waiting.iter().position(|byte| *byte == b'\n')?;
+        let mut line: Vec<u8> = self.waiting.drain(..=end).collect();
+        line.pop();
+        let is_cancelled = self.cancelled > 0;
+        self.cancelled = self.cancelled.saturating_sub(1);
+        let line = match line.as_slice() {
+            [TOO_LONG] => SentLine::TooLong,
+            // Bytes beyond ASCII are real-time commands.
+            text => SentLine::Text(text.iter().map(|byte| char::from(*byte)).collect()),
+        };
+        Some((line, is_cancelled))
     }
 
     /// Puts a line back that is to be read again.
-    pub(crate) fn put_back(&mut self, line: SentLine) {
-        let bytes = match &line {
-            SentLine::Text(text) => text.len() + 1,
-            SentLine::TooLong | SentLine::NoText => 0,
-        };
-        self.waiting += bytes;
-        self.lines.push_front((line, bytes));
+    pub(crate) fn put_back(&mut self, text: &str, is_cancelled: bool) {
+        self.cancelled += usize::from(is_cancelled);
+        self.waiting.push_front(b'\n');
+        text.bytes()
+            .rev()
+            .for_each(|byte| self.waiting.push_front(byte));
+    }
+
+    /// Lets the jogs among the lines that wait go nowhere.
+    pub(crate) fn cancel_jogs(&mut self) {
+        self.cancelled = self.waiting.iter().filter(|byte| **byte == b'\n').count();
+    }
+
+    /// Returns true, once, if lines were dropped because too many wait.
+    pub(crate) fn take_flood(&mut self) -> bool {
+        std::mem::take(&mut self.is_flooded)
     }
 
     /// Drops everything.
     pub(crate) fn clear(&mut self) {
-        *self = Self::default();
+        *self = Self {
+            has_begun: self.has_begun,
+            ..Self::default()
+        };
+    }
+
+    /// Puts a byte behind the line under way.
+    fn put(&mut self, byte: u8) {
+        // A comment in a comment is none, and control characters are nothing at all, as in GRBL.
+        if byte < b' ' || (byte, self.comment) == (b'(', Comment::Brackets) {
+            return;
+        }
+        self.comment = match (byte, self.comment) {
+            (b'(', Comment::None) => Comment::Brackets,
+            (b';', Comment::None) => Comment::ToTheEnd,
+            (b')', Comment::Brackets) => Comment::None,
+            (_, comment) => comment,
+        };
+        let ends_comment = byte == b')' && self.comment == Comment::None;
+        if self.line.len() < LONGEST || (ends_comment && self.line.len() == LONGEST) {
+            self.line.push(byte);
+        } else {
+            self.is_too_long |= self.comment == Comment::None && !byte.is_ascii_whitespace();
+        }
     }
 
     fn end_line(&mut self) {
-        let bytes = self.line.len() + 1;
-        let line = match std::mem::take(&mut self.is_too_long) {
-            true => SentLine::TooLong,
-            false => match String::from_utf8(std::mem::take(&mut self.line)) {
-                Ok(text) => SentLine::Text(text),
-                Err(_) => SentLine::NoText,
-            },
-        };
-        self.line.clear();
-        self.waiting += bytes;
-        self.lines.push_back((line, bytes));
+        self.has_begun = true;
+        let mut line = std::mem::take(&mut self.line);
+        if std::mem::take(&mut self.comment) == Comment::Brackets {
+            line.push(b')');
+        }
+        if std::mem::take(&mut self.is_too_long) {
+            line = vec![TOO_LONG];
+        }
+        if self.waiting.len() + line.len() >= MOST {
+            self.is_flooded = true;
+            return;
+        }
+        self.waiting.extend(line);
+        self.waiting.push_back(b'\n');
     }
 }
-
 fn is_web(line: &[u8]) -> bool {
     WEB.iter().any(|method| line == method.as_bytes())
 }
@@ -176,43 +231,76 @@ mod tests {
     fn taken(bytes: &[u8]) -> (Vec<SentLine>, Vec<RealTime>) {
         let (mut input, mut commands) = (SentBytes::default(), Vec::new());
         input.take(bytes, &mut commands).expect("no web");
-        let lines = std::iter::from_fn(|| input.next()).collect();
-        (lines, commands)
+        let lines = std::iter::from_fn(|| input.next());
+        (lines.map(|(line, _)| line).collect(), commands)
+    }
+
+    fn text(text: &str) -> SentLine {
+        SentLine::Text(text.into())
     }
 
     #[test]
     fn real_time_bytes_stand_anywhere() {
         let (lines, commands) = taken(b"G1 X?1\x910\r\n\n!~F1\n");
-        let text = |text: &str| SentLine::Text(text.into());
         assert_eq!(lines, [text("G1 X10"), text(""), text("F1")]);
         let feed = RealTime::Feed(Override::Step(10));
         let all = [RealTime::Status, feed, RealTime::Hold, RealTime::Resume];
         assert_eq!(commands, all);
     }
 
+    /// However much comes before, and whatever it is.
+    #[test]
+    fn real_time_bytes_are_heard_behind_any_number_of_bytes() {
+        let (mut input, mut commands) = (SentBytes::default(), Vec::new());
+        for byte in [b'(', b'x', b' ', 0, b'\n'] {
+            for length in [1, 127, 511, 512, 513, 999, 1000, 1001, 100_000] {
+                input.take(&vec![byte; length], &mut commands);
+                commands.clear();
+                input.take(b"!?\x18", &mut commands);
+                let expected = [RealTime::Hold, RealTime::Status, RealTime::Reset];
+                assert_eq!(commands, expected, "{length} times {byte}");
+            }
+        }
+        let lines = b"G1 X1.5\n".repeat(MOST / 4);
+        input.take(&[&lines[..], b"!"].concat(), &mut commands);
+        assert_eq!(commands.last(), Some(&RealTime::Hold));
+        assert!(input.take_flood() && input.waiting.len() <= MOST);
+    }
+
     #[test]
     fn a_reset_drops_what_waits_and_what_is_too_long_is_not_kept() {
         let (lines, commands) = taken(b"G1 X1\nG1\x18G0\n");
-        assert_eq!(lines, [SentLine::Text("G0".into())]);
+        assert_eq!(lines, [text("G0")]);
         assert_eq!(commands, [RealTime::Reset]);
         let long = [vec![b'x'; 10 * LONGEST], b"\nG0\n".to_vec()].concat();
-        assert_eq!(
-            taken(&long).0,
-            [SentLine::TooLong, SentLine::Text("G0".into())]
-        );
+        assert_eq!(taken(&long).0, [SentLine::TooLong, text("G0")]);
+        // What stands in comments, and white space, does not count.
+        let comment = [b"G1(", [b'x'; 2000].as_slice(), b")\nX1\n"].concat();
+        let [SentLine::Text(line), last] = &taken(&comment).0[..] else {
+            panic!("two lines");
+        };
+        assert!(line.starts_with("G1(xx") && line.ends_with("xx)") && line.len() <= LONGEST + 1);
+        assert_eq!(*last, text("X1"));
+        let hidden = [b"(", [b'x'; 2000].as_slice(), b")G1 X1\n"].concat();
+        assert_eq!(taken(&hidden).0, [SentLine::TooLong]);
+    }
+
+    #[test]
+    fn a_jog_cancel_counts_for_the_lines_before_it() {
+        let (mut input, mut commands) = (SentBytes::default(), Vec::new());
+        input.take(b"$J=X1F1\nG4P0\n\x85$J=X2F1\n", &mut commands);
+        let cancelled: Vec<bool> = std::iter::from_fn(|| input.next())
+            .map(|each| each.1)
+            .collect();
+        assert_eq!(cancelled, [true, true, false]);
     }
 
     #[test]
     fn a_request_of_the_web_is_known() {
         let mut commands = Vec::new();
-        assert_eq!(
-            SentBytes::default().take(b"POST / HTTP/1.1\r\n", &mut commands),
-            None
-        );
-        assert_eq!(
-            SentBytes::default().take(b"G1 X1\n", &mut commands),
-            Some(())
-        );
+        let mut take = |bytes: &[u8]| SentBytes::default().take(bytes, &mut commands);
+        assert_eq!(take(b"POST / HTTP/1.1\r\n"), None);
+        assert_eq!(take(b"G1 X1\n"), Some(()));
     }
 
     #[test]
@@ -220,7 +308,7 @@ mod tests {
         let (mut input, mut commands) = (SentBytes::default(), Vec::new());
         input.take(b"G1 X1\nG0", &mut commands).expect("no web");
         assert_eq!(input.free(), RECEIVE_BUFFER - 8);
-        assert_eq!(input.next(), Some(SentLine::Text("G1 X1".into())));
+        assert_eq!(input.next(), Some((text("G1 X1"), false)));
         assert_eq!(input.free(), RECEIVE_BUFFER - 2);
     }
 }

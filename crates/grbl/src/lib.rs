@@ -12,6 +12,9 @@
 //! if any part is refused: then nothing of the line moves. Lines are read by the interpreter of `trirrr-toolpath`, the one of job files.
 //! A motion is looked at by a [`MotionCheck`] before it is taken. A refusal that comes later, from the machine's own proof, is
 //! `ALARM:2`: the machine stands on its path, and everything behind is dropped.
+//!
+//! **Held** is a state of the conversation. `!`, 0x84 and an open door set it in every state but a jog, which they cancel; `~` and ^X
+//! clear it. While it is set, no motion, no dwell and no output reaches the machine, and lines of G-code wait.
 #![forbid(unsafe_code)]
 
 mod dialect;
@@ -19,8 +22,11 @@ mod fault;
 mod input;
 mod report;
 mod settings;
+mod state;
 mod view;
 
 pub use dialect::Dialect;
 pub use settings::MachineFacts;
-pub use view::{InputsView, MachineAct, MachinePhase, MachineView, MotionCheck, ProbeEnd};
+pub use view::{
+    ContactsView, InputsView, MachineAct, MachinePhase, MachineView, MotionCheck, ProbeEnd,
+};

@@ -1,5 +1,6 @@
 //! `$` settings.
 
+use crate::fault;
 use std::fmt::Write as _;
 
 /// Facts about the machine that settings tell.
@@ -11,6 +12,8 @@ pub struct MachineFacts {
     pub travel_m: [f64; 2],
     /// The machine finds its reference by homing.
     pub has_homing: bool,
+    /// Motions that wait at most, as `Bf` counts them.
+    pub motions: usize,
     /// Z words have no effect; otherwise they are refused.
     pub ignore_z: bool,
     /// Outputs that M62 to M65 switch, at most 8. Their numbers begin at 0.
@@ -22,7 +25,7 @@ pub struct MachineFacts {
 /// Speed that is reported for rapids, and to which their override refers, mm/min.
 const RAPID_MM_MIN: f64 = 30_000.0;
 
-/// Settings of one connection.
+/// Settings. They last as long as the dialect, from one sender to the next.
 #[derive(Clone, Debug)]
 pub(crate) struct Settings {
     facts: MachineFacts,
@@ -76,28 +79,34 @@ impl Settings {
         text
     }
 
-    /// Sets `$number=value`.
+    /// Sets the setting of a number.
     ///
     /// # Errors
-    /// The reason.
-    pub(crate) fn set(&mut self, number: &str, value: &str) -> Result<(), &'static str> {
-        let value: f64 = value.trim().parse().map_err(|_| "the value is no number")?;
+    /// The number of GRBL, and the reason.
+    pub(crate) fn set(&mut self, number: f64, value: f64) -> Result<(), (u8, &'static str)> {
         let flag = value == 0.0 || value == 1.0;
-        match number.trim() {
-            "10" if (0.0..=255.0).contains(&value) => self.report = value as u8,
-            "13" if flag => self.inches = value == 1.0,
-            "30" if (1.0..=1e6).contains(&value) => self.full_power = value,
-            "110" | "111" if (1.0..=1e6).contains(&value) => self.rapid_mm_min = value,
-            "31" if value == 0.0 => {}
-            "32" if value == 1.0 => {}
-            "32" => {
-                return Err(
+        let refused = |reason| Err((fault::STATEMENT, reason));
+        if value < 0.0 {
+            return Err((fault::NEGATIVE, "the value is negative"));
+        }
+        // GRBL cuts a fraction of the number off.
+        match number.trunc() {
+            10.0 if value <= 255.0 => self.report = value as u8,
+            13.0 if flag => self.inches = value == 1.0,
+            30.0 if (1.0..=1e6).contains(&value) => self.full_power = value,
+            110.0 | 111.0 if (1.0..=1e6).contains(&value) => self.rapid_mm_min = value,
+            31.0 if value == 0.0 => {}
+            32.0 if value == 1.0 => {}
+            32.0 => {
+                return refused(
                     "the machine is in laser mode always: S is a power, and M4 follows the speed",
                 );
             }
-            "10" | "13" | "30" | "31" | "110" | "111" => return Err("the value is out of range"),
+            10.0 | 13.0 | 30.0 | 31.0 | 110.0 | 111.0 => {
+                return refused("the value is out of range");
+            }
             _ => {
-                return Err(
+                return refused(
                     "the scene of the machine says this: $10, $13, $30, $110 and $111 may be set",
                 );
             }

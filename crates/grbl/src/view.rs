@@ -9,6 +9,8 @@ pub enum MachinePhase {
     Off,
     /// A fault is latched.
     Fault,
+    /// The machine does not answer: nothing is known of it.
+    Lost,
     /// Drives go on, or the machine is on the way to where it can begin.
     Waking,
     /// The machine stands and is ready.
@@ -38,14 +40,31 @@ pub struct MachineView {
     pub power: f64,
     /// Motions that the machine takes now.
     pub room: usize,
+    /// Motions for which there is room in all that waits to be played, of [`MachineFacts::motions`](crate::MachineFacts::motions).
+    pub free: usize,
+    /// The machine stands.
+    pub stands: bool,
     /// The machine stands, and has nothing left to play.
     pub is_empty: bool,
-    /// Pace that the machine plays at, percent.
-    pub feed_percent: u8,
+    /// Contacts.
+    pub contacts: ContactsView,
+    /// The machine waits for [`MachineAct::Resume`], because the door is open or was.
+    pub is_door_hold: bool,
     /// End of the last motion with the probe; none while it is under way, and before any.
     pub probe: Option<ProbeEnd>,
     /// Spare inputs; none before the machine has told them.
     pub inputs: Option<InputsView>,
+}
+
+/// Contacts of the machine.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ContactsView {
+    /// The door is open.
+    pub door: bool,
+    /// The probe touches.
+    pub probe: bool,
+    /// The motors, by their number, that stand on their limit switch.
+    pub limits: [bool; 3],
 }
 
 /// Spare inputs of the machine: a bit for each, the first is bit 0.
@@ -107,11 +126,11 @@ pub enum MachineAct {
     Home,
     /// Switch the drives off.
     Sleep,
-    /// Come to rest on the path.
+    /// Come to rest, and start nothing before [`MachineAct::Resume`] or [`MachineAct::Stop`], whatever was taken before.
     Hold,
     /// Go on.
     Resume,
-    /// Come to rest on the path and drop the rest.
+    /// Come to rest on the path and drop the rest, with a hold.
     Stop,
     /// Play at so many percent of normal speed, 1 to 100.
     Feed(u8),

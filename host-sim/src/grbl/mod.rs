@@ -23,11 +23,12 @@ use driver::{MachineDriver, place_of};
 use reach::SceneReach;
 use sender::{Sender, SenderDoor};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use trirrr_client::exchange::Turn;
 use trirrr_client::local;
-use trirrr_client::transport::Address;
-use trirrr_grbl::{Dialect, MachineAct, MachineFacts, MachinePhase};
+use trirrr_client::transport::{Address, Link, OpenError};
+use trirrr_grbl::{Dialect, MachineAct, MachineFacts};
 use trirrr_protocol::message::Transmit;
 use trirrr_scene::{NumberType, ReachMap, Scene, in_number_type};
 use trirrr_service::ServiceNumber;
@@ -35,8 +36,11 @@ use trirrr_service::ServiceNumber;
 /// Longest wait for the board before the sender is heard again.
 const LOOK: Duration = Duration::from_millis(1);
 
-/// Time that a board may be silent.
+/// Time that a board may be silent before it is found.
 const PATIENCE: Duration = Duration::from_secs(10);
+
+/// Time without an answer after which the board counts as lost: a machine that hears nothing has come to rest by then.
+const SILENCE: Duration = Duration::from_secs(2);
 
 /// Time for a machine to come to rest at the end.
 const FAREWELL: Duration = Duration::from_secs(5);
@@ -119,6 +123,7 @@ fn serve<N: ServiceNumber>(
         name: scene.name.clone(),
         travel_m: map.size().map(|nodes| nodes as f64 * map.step_m()),
         has_homing: scene.homing.is_some(),
+        motions: path::MOTIONS,
         ignore_z: args.ignore_z,
         outputs: scene.spare_pins.outputs.len() as u8,
         inputs: scene.spare_pins.inputs.len() as u8,
@@ -127,41 +132,39 @@ fn serve<N: ServiceNumber>(
         scene,
         units,
         local::hello::<N>(scene),
-        patience(PATIENCE),
+        patience(SILENCE),
         conversation(),
         args.corner / 1000.0,
     );
-    let port = Port::open(line, PATIENCE)?;
     let mut machine = MachineLine {
         driver,
-        port,
+        port: Port::open(line, PATIENCE)?,
+        opening: None,
         begun: Instant::now(),
     };
-    while !machine.driver.is_known() && !stop.load(Ordering::Relaxed) {
-        machine.talk(stop)?;
-    }
+    machine.find(stop)?;
     print_line(&format!(
         "{} takes a sender for scene {}",
         door.name(),
         scene.name
     ));
-    let start = place_of(&scene.job.start);
-    let mut client: Option<(Sender, Dialect)> = None;
+    let mut dialect = Dialect::new(facts, place_of(&scene.job.start));
+    let mut client: Option<Sender> = None;
     while !stop.load(Ordering::Relaxed) {
         let lost = |error| CliError::Failed(format!("the port for senders is lost: {error}"));
         if let Some(sender) = door.next(client.is_some()).map_err(lost)? {
             print_line("a sender is connected");
-            let is_on = machine.driver.view().phase == MachinePhase::Idle;
-            client = Some((sender, Dialect::new(facts.clone(), start, is_on)));
+            dialect.connect();
+            client = Some(sender);
         }
-        if let Some((sender, dialect)) = &mut client
-            && let Err(error) = converse(sender, dialect, &mut machine, &reach)
+        if let Some(sender) = &mut client
+            && let Err(error) = converse(sender, &mut dialect, &mut machine, &reach)
         {
             print_line(&format!("the sender is gone: {error}"));
             client = None;
             machine.driver.take(MachineAct::Stop);
         }
-        machine.talk(stop)?;
+        machine.talk()?;
     }
     machine.farewell()
 }
@@ -173,9 +176,7 @@ fn converse<N: Transmit>(
     machine: &mut MachineLine<N>,
     reach: &SceneReach,
 ) -> std::io::Result<()> {
-    if dialect.wants_more() {
-        dialect.bytes(&sender.receive()?);
-    }
+    dialect.bytes(&sender.receive()?);
     if let Some(reason) = machine.driver.take_refused() {
         dialect.refused(&reason);
     }
@@ -194,22 +195,57 @@ fn converse<N: Transmit>(
 struct MachineLine<N: Transmit> {
     driver: MachineDriver<N>,
     port: Port,
+    /// Attempt to open a port anew that is lost.
+    opening: Option<JoinHandle<Result<Box<dyn Link>, OpenError>>>,
     begun: Instant,
 }
 
 impl<N: Transmit> MachineLine<N> {
-    /// Sends what is to be sent, and listens for a moment.
-    fn talk(&mut self, stop: &AtomicBool) -> Result<(), CliError> {
+    /// Waits for the machine's first answer.
+    ///
+    /// # Errors
+    /// Failed: it does not come.
+    fn find(&mut self, stop: &AtomicBool) -> Result<(), CliError> {
+        while !self.driver.is_known() && !stop.load(Ordering::Relaxed) {
+            self.talk()?;
+            if self.begun.elapsed() > PATIENCE {
+                let why = self.driver.lost().unwrap_or("the board does not answer");
+                return Err(CliError::Failed(why.to_owned()));
+            }
+        }
+        Ok(())
+    }
+
+    /// Sends what is to be sent, and listens for a moment. A line that is lost is opened anew meanwhile, however long it takes.
+    fn talk(&mut self) -> Result<(), CliError> {
+        if let Some(opening) = self.opening.take_if(|opening| opening.is_finished()) {
+            // A panic there is a bug and goes on here.
+            let opened = opening.join();
+            let opened = opened.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+            match opened {
+                Ok(link) => self.port.take(link),
+                Err(error) if error.may_pass() => self.opening = Some(self.port.open_anew()),
+                Err(error) => return Err(CliError::Failed(error.to_string())),
+            }
+        }
+        if self.opening.is_some() {
+            std::thread::sleep(LOOK);
+            return Ok(());
+        }
         let wait = loop {
             match self.driver.poll(self.begun.elapsed()) {
                 Turn::Send(request) => {
                     if let Err(error) = self.port.send(&request) {
-                        return self.reopen(&error.to_string(), stop);
+                        self.lose(&error.to_string());
+                        return Ok(());
                     }
                 }
                 Turn::Wait(until) => break until.saturating_sub(self.begun.elapsed()),
                 Turn::Free => break LOOK,
-                Turn::Silent => return self.reopen("the board does not answer", stop),
+                Turn::Silent => {
+                    self.lose("the board does not answer");
+                    return Ok(());
+                }
             }
         };
         match self.port.receive(wait.min(LOOK)) {
@@ -218,7 +254,7 @@ impl<N: Transmit> MachineLine<N> {
                     self.driver.receive(message, self.begun.elapsed());
                 }
             }
-            Err(error) => return self.reopen(&error.to_string(), stop),
+            Err(error) => self.lose(&error.to_string()),
         }
         match self.driver.failure.take() {
             Some(failure) => Err(CliError::Refused(failure)),
@@ -226,11 +262,12 @@ impl<N: Transmit> MachineLine<N> {
         }
     }
 
-    fn reopen(&mut self, why: &str, stop: &AtomicBool) -> Result<(), CliError> {
+    /// Begins to open the port anew.
+    fn lose(&mut self, why: &str) {
+        let why = format!("the line to the machine is lost: {why}");
         say(&format!("{why}; opening the port anew"));
-        self.port.reopen(why, stop).map_err(CliError::Failed)?;
-        self.driver.reconnected();
-        Ok(())
+        self.driver.lose(&why);
+        self.opening = Some(self.port.open_anew());
     }
 
     /// Brings the machine to rest and switches it off.
@@ -239,9 +276,11 @@ impl<N: Transmit> MachineLine<N> {
         self.driver.take(MachineAct::Sleep);
         let until = self.begun.elapsed() + FAREWELL;
         // A port that is lost now is lost for a command that ends.
-        let ended = AtomicBool::new(true);
-        while self.begun.elapsed() < until && !self.driver.is_off() {
-            self.talk(&ended)?;
+        while self.begun.elapsed() < until && self.opening.is_none() && !self.driver.is_off() {
+            self.talk()?;
+        }
+        if let Some(why) = self.driver.lost() {
+            return Err(CliError::Failed(why.to_owned()));
         }
         print_line("ended by Ctrl-C, with the drives off");
         Ok(())

@@ -12,6 +12,9 @@ use trirrr_toolpath::{Act, Element, ToolPlace};
 /// Pieces that wait for the machine, beyond which no motion is taken. The machine holds as many again.
 const MOST: usize = 32;
 
+/// Motions for which there is room where none waits. A corner may add a piece to each.
+pub(super) const MOTIONS: usize = MOST / 2;
+
 /// Piece that the machine is to get.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct QueuedPiece {
@@ -47,7 +50,7 @@ impl PathFeed {
         }
     }
 
-    /// Motions that are taken now. A corner may add a piece to each.
+    /// Motions that are taken now.
     pub(super) fn room(&self) -> usize {
         MOST.saturating_sub(self.ready.len()) / 2
     }

@@ -5,8 +5,11 @@ use crate::failure::CliError;
 use crate::serve::read_key;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use trirrr_client::transport::{Address, Frames, KeyRefusal, Link, SharedKey, open_link};
+use trirrr_client::transport::{
+    Address, Frames, KeyRefusal, Link, OpenError, SharedKey, open_link,
+};
 use trirrr_protocol::message::{Message, Reply, Request, Transmit};
 
 /// From one attempt to open a port to the next.
@@ -112,8 +115,7 @@ impl Port {
     /// # Errors
     /// What is wrong with it, in words.
     pub(crate) fn reopen(&mut self, why: &str, stop: &AtomicBool) -> Result<(), String> {
-        self.damaged += u64::from(self.frames.counters().errors());
-        self.frames = Frames::default();
+        self.forget_frames();
         let mut why = match self.answered {
             false if why.contains("closed") => format!(
                 "{}: {why} before it answered: it may have another client",
@@ -136,13 +138,34 @@ impl Port {
             std::thread::sleep(ATTEMPTS_EVERY.min(self.patience - silent));
             match open_link(&self.address, self.baud, self.key.as_ref()) {
                 Ok(link) => {
-                    self.link = link;
-                    self.opened_anew += 1;
+                    self.take(link);
                     return Ok(());
                 }
                 Err(error) if error.may_pass() => why = error.to_string(),
                 Err(error) => return Err(error.to_string()),
             }
         }
+    }
+
+    /// Opens the port anew in the background: one attempt.
+    pub(crate) fn open_anew(&self) -> JoinHandle<Result<Box<dyn Link>, OpenError>> {
+        let (address, baud, key) = (self.address.clone(), self.baud, self.key.clone());
+        std::thread::spawn(move || {
+            // Who closed the line does not want to be called at once.
+            std::thread::sleep(ATTEMPTS_EVERY);
+            open_link(&address, baud, key.as_ref())
+        })
+    }
+
+    /// Takes a link that was opened anew.
+    pub(crate) fn take(&mut self, link: Box<dyn Link>) {
+        self.forget_frames();
+        self.link = link;
+        self.opened_anew += 1;
+    }
+
+    fn forget_frames(&mut self) {
+        self.damaged += u64::from(self.frames.counters().errors());
+        self.frames = Frames::default();
     }
 }

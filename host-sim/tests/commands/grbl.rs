@@ -256,9 +256,13 @@ fn nothing_moves_before_it_is_unlocked() {
     let server = Server::start(&[]);
     let mut sender = Sender::connect(&server);
     assert_eq!(sender.report().state, "Alarm");
-    for line in ["G0 X260", "$J=G91 X1 F100", "M3 S100"] {
+    for (line, number) in [
+        ("G0 X260", "error:9"),
+        ("$J=G91 X1 F100", "error:8"),
+        ("M3 S100", "error:9"),
+    ] {
         sender.send(&format!("{line}\n"));
-        let said = sender.answer("error:9");
+        let said = sender.answer(number);
         assert!(said.concat().contains("locked"), "{said:?}");
     }
     assert_eq!(sender.report().state, "Alarm");
@@ -351,7 +355,7 @@ fn a_jog_ends_where_it_was_sent_or_where_it_was_cancelled() {
     sender.send("$J=G21 G91 X400 F600\n");
     sender.answer("error:15");
     sender.send("$J=X1\n");
-    sender.answer("error:16");
+    sender.answer("error:22");
     sender.send("$H\n");
     sender.answer("ok");
     near(sender.idle(), START);
@@ -369,8 +373,8 @@ fn each_wrong_line_gets_a_number_and_a_reason_and_moves_nothing() {
         ("G1 Z-1 F100", "error:20", "Z"),
         ("$32=0", "error:3", "laser mode"),
         ("$101=80", "error:3", "scene"),
-        ("$N0=G0 X1", "error:5", "by itself"),
-        ("$Q", "error:3", "no such command"),
+        ("$N0=G0 X1", "error:3", "by itself"),
+        ("$Q", "error:2", "no such command"),
     ] {
         sender.send(&format!("{line}\n"));
         let said = sender.answer(number);
@@ -395,6 +399,12 @@ fn a_sender_that_goes_away_leaves_a_machine_at_rest_for_the_next_one() {
     assert!(said.contains("another sender is connected"), "{said}");
     drop(first);
     let mut second = Sender::connect(&server);
+    // The machine is on and locked, and comes to rest.
+    assert_eq!(second.report().state, "Alarm");
+    second.send("G1 X250 F3000\n");
+    second.answer("error:9");
+    second.send("$X\n");
+    second.answer("ok");
     let place = second.idle();
     assert!(place[0] < START[0] + 39.0, "{place:?}");
     near(second.idle(), place);
@@ -407,7 +417,7 @@ fn a_sender_that_goes_away_leaves_a_machine_at_rest_for_the_next_one() {
     web.send("POST / HTTP/1.1\r\nHost: x\r\n\r\nG0 X260\n");
     let said: Vec<String> = std::iter::from_fn(|| web.line()).collect();
     assert!(said.concat().contains("no page of the web"), "{said:?}");
-    near(Sender::connect(&server).idle(), START);
+    near(Sender::unlocked(&server).idle(), START);
 }
 
 /// Sessions in the manner of LightBurn and LaserGRBL, written from their documentation: settings first, polls in between.

@@ -1,26 +1,30 @@
 //! Lines of G-code, and jogs.
 
+use super::Dialect;
+use super::commands::{Done, LOCKED, Refused};
 use super::probing::ProbeWords;
-use super::{Dialect, Wait};
+use super::wait::Wait;
 use crate::fault;
-use crate::view::{MachineAct, MachinePhase, MachineView, MotionCheck};
+use crate::view::{MachineAct, MachineView, MotionCheck};
 use trirrr_toolpath::gcode::{Interpreter, LineWork};
 use trirrr_toolpath::{Act, Element, ToolMotion};
 
 impl Dialect {
-    /// Reads a line of G-code. All of it is taken, or nothing.
-    pub(super) fn gcode(&mut self, text: &str, view: &MachineView, reach: &dyn MotionCheck) {
-        let may_move = self.may_move(view);
-        if !may_move && !text.is_empty() {
-            return self.refuse(
-                fault::LOCKED,
-                "the machine is locked: $X unlocks it, $H brings it to its start",
-            );
+    /// Reads a line of G-code, whose words without comments are `words`. All of it is taken, or nothing.
+    pub(super) fn gcode(
+        &mut self,
+        text: &str,
+        words: &str,
+        view: &MachineView,
+        reach: &dyn MotionCheck,
+    ) {
+        if self.is_blocked(view) {
+            return self.refuse(fault::LOCKED, LOCKED);
         }
-        if self.is_jog && !view.is_empty && !text.is_empty() {
-            return self.refuse(fault::NOT_IDLE, "a jog is under way");
+        if self.is_jog && !view.is_empty && !words.is_empty() {
+            return self.refuse(fault::LOCKED, "a jog is under way");
         }
-        if let Some(probe) = ProbeWords::read(text).filter(|_| !self.is_check) {
+        if let Some(probe) = ProbeWords::read(words) {
             return self.probe(&probe, text, view, reach);
         }
         let mut trial = self.interpreter.clone();
@@ -40,57 +44,38 @@ impl Dialect {
         }
         self.interpreter = trial;
         self.owes_ok = true;
-        if !self.is_check {
-            self.waiting.extend(work.elements);
+        if self.is_check {
+            return;
         }
+        self.waiting.extend(work.elements);
         if work.end.is_some() {
             self.flush();
-            self.ends = !self.is_check;
+            self.ends = true;
         }
     }
 
-    /// Reads `$J=...`: a line at a feed, with modes of its own.
-    pub(super) fn jog(&mut self, text: &str, view: &MachineView, reach: &dyn MotionCheck) {
-        let is_free = view.phase == MachinePhase::Idle && view.is_empty;
-        if !self.may_move(view) {
-            return self.refuse(fault::LOCKED, "the machine is locked: $X unlocks it");
-        }
-        if !is_free && !self.is_jog {
-            return self.refuse(fault::NOT_IDLE, "a jog needs a machine that stands idle");
-        }
-        let words = text.to_ascii_uppercase();
-        if words.contains('M') || words.contains('S') || !words.contains('F') {
-            return self.refuse(
-                fault::JOG,
-                "a jog is axis words with F, and G20, G21, G90, G91 or G53 before them",
-            );
-        }
+    /// Reads what stands behind `$J=`: a line at a feed, with modes of its own. One that is cancelled already goes nowhere.
+    pub(super) fn jog(
+        &mut self,
+        words: &str,
+        is_cancelled: bool,
+        reach: &dyn MotionCheck,
+    ) -> Result<Done, Refused> {
         let mut trial = self.interpreter.clone();
-        // G53 needs absolute coordinates, and a jog leaves the modes as they are.
-        let line = match words.contains("G5") || words.contains("G0") || words.contains("G1") {
-            true => words.clone(),
-            false => format!("G1{words}"),
-        };
-        let work = match jog_line(&mut trial, self.line, &line) {
-            Ok(work) => work,
-            Err(reason) => return self.refuse(fault::JOG, &reason),
-        };
-        if let Err(reason) = self.check(&work, reach) {
-            return self.refuse(fault::TRAVEL, &reason);
+        let work = jog_line(&mut trial, self.line, words)?;
+        self.check(&work, reach)
+            .map_err(|reason| (fault::TRAVEL, reason))?;
+        if is_cancelled {
+            return Ok(Done::Now);
         }
         self.interpreter.set_place(trial.place());
-        self.owes_ok = true;
         self.is_jog = true;
         let elements = work.elements.into_iter();
         self.waiting.extend(elements.map(|element| Element {
             tool: None,
             ..element
         }));
-    }
-
-    fn may_move(&self, view: &MachineView) -> bool {
-        let is_off = matches!(view.phase, MachinePhase::Off | MachinePhase::Fault);
-        self.is_check || !(is_off || self.is_locked)
+        Ok(Done::Later)
     }
 
     /// Looks at all motions of a line.
@@ -153,20 +138,39 @@ impl Dialect {
     }
 }
 
-/// Interprets a jog on a copy of the state: G91, G20 and the like hold for it alone.
-fn jog_line(trial: &mut Interpreter, number: u32, line: &str) -> Result<LineWork, String> {
-    let allowed = |c: char| "GXYZAF0123456789.+- ".contains(c);
-    if !line.chars().all(allowed) {
-        return Err("a jog is axis words with F, and G20, G21, G90, G91 or G53 before them".into());
-    }
-    let line = match line.contains("G53") && !line.contains("G0") && !line.contains("G1") {
-        true => format!("G1{line}"),
-        false => line.to_owned(),
+/// Interprets a jog on a copy of the state: G91, G20 and the like hold for it alone. A jog is a line of G1 and G94 with an F.
+fn jog_line(trial: &mut Interpreter, number: u32, words: &str) -> Result<LineWork, Refused> {
+    const HINT: &str = "a jog is axis words with F, and G20, G21, G90, G91 or G53";
+    // G53 has no use for distances; a jog may say so itself.
+    let distances = match words.contains("G53") && !words.contains("G9") {
+        true => "G90",
+        false => "",
     };
-    trial
-        .line(number, &line)
-        .map_err(|fault| match fault.word.as_str() {
-            "" => fault.reason,
-            word => format!("{word}: {}", fault.reason),
-        })
+    // Lines that are always good.
+    let _ = trial.line(number, &format!("G1G94F0{distances}"));
+    let work = trial.line(number, words).map_err(|found| {
+        let reason = match found.word.as_str() {
+            "" => found.reason.clone(),
+            word => format!("{word}: {}", found.reason),
+        };
+        (fault::number(&found), reason)
+    })?;
+    let number_of = |letter: char| words.split(letter).skip(1);
+    if let Some(letter) = ['S', 'T']
+        .into_iter()
+        .find(|letter| words.contains(*letter))
+    {
+        return Err((fault::UNUSED, format!("{letter}: {HINT}")));
+    }
+    let is_foreign = |code: &str| {
+        let digits = code.split(|c: char| c.is_ascii_alphabetic()).next();
+        !matches!(digits.unwrap_or_default(), "20" | "21" | "90" | "91" | "53")
+    };
+    if number_of('G').any(is_foreign) || words.contains('M') {
+        return Err((fault::JOG, HINT.into()));
+    }
+    if !words.contains('F') {
+        return Err((fault::FEED, "a jog needs F, the feed, in its line".into()));
+    }
+    Ok(work)
 }

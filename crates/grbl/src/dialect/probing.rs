@@ -1,8 +1,8 @@
 //! G38: a straight motion that ends where the probe touches.
 
-use super::{Dialect, Wait};
+use super::Dialect;
+use super::wait::Wait;
 use crate::fault;
-use crate::input::SentLine;
 use crate::report::axes;
 use crate::view::{MachineAct, MachineView, MotionCheck, ProbeEnd};
 use trirrr_toolpath::{Act, Element};
@@ -19,10 +19,8 @@ pub(super) struct ProbeWords {
 }
 
 impl ProbeWords {
-    /// Reads a line; none without G38.2 to G38.5.
-    pub(super) fn read(text: &str) -> Option<Self> {
-        let words: String = text.chars().filter(|c| !c.is_whitespace()).collect();
-        let words = words.to_ascii_uppercase();
+    /// Reads the words of a line, in capitals without white space; none without G38.2 to G38.5.
+    pub(super) fn read(words: &str) -> Option<Self> {
         let (before, after) = words.split_once("G38.")?;
         let (away, must) = match after.chars().next()? {
             '2' => (false, true),
@@ -45,7 +43,7 @@ impl ProbeWords {
 }
 
 impl Dialect {
-    /// Carries out a line with G38 once the machine stands. The answer comes at the end of the motion.
+    /// Carries out a line with G38 once the machine stands. The answer comes at the end of the motion. In check mode it is looked at alone.
     pub(super) fn probe(
         &mut self,
         line: &ProbeWords,
@@ -53,10 +51,10 @@ impl Dialect {
         view: &MachineView,
         reach: &dyn MotionCheck,
     ) {
-        if !view.is_empty || !self.acts.is_empty() {
+        if !self.is_check && (!view.is_empty || !self.acts.is_empty()) {
             // The place from which it goes is known at rest.
             self.flush();
-            self.input.put_back(SentLine::Text(text.to_owned()));
+            self.input.put_back(text, false);
             self.line -= 1;
             self.wait = Some(Wait::Stand);
             return;
@@ -81,6 +79,10 @@ impl Dialect {
             _ => return self.refuse(fault::PROBE, "G38 needs a straight motion with a length"),
         };
         self.interpreter = trial;
+        self.owes_ok = true;
+        if self.is_check {
+            return;
+        }
         self.acts.push(MachineAct::Probe {
             element: Element {
                 tool: None,
@@ -88,7 +90,6 @@ impl Dialect {
             },
             away: line.away,
         });
-        self.owes_ok = true;
         self.wait = Some(Wait::Probe { must: line.must });
     }
 
@@ -135,11 +136,11 @@ mod tests {
     fn lines_with_a_probe_become_straight_motions() {
         let read = |text| ProbeWords::read(text).map(|line| (line.motion, line.away, line.must));
         let line = |motion: &str, away, must| Some((motion.to_owned(), away, must));
-        assert_eq!(read("G38.2 X10 F100"), line("G1X10F100", false, true));
-        assert_eq!(read("g91 g38.3 x1"), line("G91G1X1", false, false));
+        assert_eq!(read("G38.2X10F100"), line("G1X10F100", false, true));
+        assert_eq!(read("G91G38.3X1"), line("G91G1X1", false, false));
         assert_eq!(read("G38.4X1"), line("G1X1", true, true));
         assert_eq!(read("G38.5X1"), line("G1X1", true, false));
-        for text in ["G1 X38.2", "G38 X1", "G38.6 X1", "G38.25 X1", "G38."] {
+        for text in ["G1X38.2", "G38X1", "G38.6X1", "G38.25X1", "G38."] {
             assert_eq!(read(text), None, "{text}");
         }
     }

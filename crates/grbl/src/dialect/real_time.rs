@@ -1,9 +1,11 @@
 //! Real-time bytes.
 
-use super::{Dialect, Wait};
+use super::Dialect;
+use super::hold::Held;
+use super::wait::Wait;
 use crate::input::{Override, RealTime};
-use crate::report::{self, Overrides, ReportContent, less};
-use crate::view::{MachineAct, MachinePhase, MachineView};
+use crate::report::{Accessory, Overrides, ReportContent, plus};
+use crate::view::{MachineAct, MachineView};
 
 /// Bounds of the feed override: the plan is as fast as allowed, so there is no more than 100 %.
 const FEED: (u8, u8) = (10, 100);
@@ -15,24 +17,9 @@ impl Dialect {
     pub(super) fn real_time(&mut self, command: RealTime, view: &MachineView) {
         match command {
             RealTime::Status => self.report(view),
-            RealTime::Hold | RealTime::Door => {
-                if self.is_jog {
-                    return self.cancel_jog();
-                }
-                self.is_door = command == RealTime::Door;
-                if view.phase == MachinePhase::Running {
-                    self.acts.push(MachineAct::Hold);
-                }
-            }
-            RealTime::Resume => {
-                self.is_door = false;
-                if self.wait == Some(Wait::Paused) {
-                    self.wait = None;
-                }
-                if matches!(view.phase, MachinePhase::Slowing | MachinePhase::Holding) {
-                    self.acts.push(MachineAct::Resume);
-                }
-            }
+            RealTime::Hold => self.hold(Held::Feed),
+            RealTime::Door => self.hold(Held::Door),
+            RealTime::Resume => self.resume(view),
             RealTime::Reset => self.reset(),
             RealTime::JogCancel if self.is_jog => self.cancel_jog(),
             RealTime::JogCancel => {}
@@ -49,16 +36,18 @@ impl Dialect {
     }
 
     /// Brings the machine to rest, drops everything, and begins anew. The place is known: there is no alarm.
-    fn reset(&mut self) {
+    pub(super) fn reset(&mut self) {
         self.acts.clear();
         self.acts.push(MachineAct::Stop);
-        // Lines that came behind the reset stay.
-        let input = std::mem::take(&mut self.input);
-        self.drop_motions();
-        self.input = input;
+        // The greeting is the answer to the line under way.
+        self.owes_ok = false;
+        self.drop_program();
         self.interpreter.reset();
         self.wait = Some(Wait::Stand);
-        (self.is_check, self.is_door) = (false, false);
+        (self.held, self.is_restoring) = (None, false);
+        if std::mem::take(&mut self.is_asleep) {
+            self.is_locked = true;
+        }
         if self.overrides.feed != Overrides::NORMAL.feed {
             self.acts.push(MachineAct::Feed(Overrides::NORMAL.feed));
         }
@@ -66,50 +55,26 @@ impl Dialect {
         self.greet();
     }
 
-    fn cancel_jog(&mut self) {
+    /// Ends the jog, and those in lines that wait. Each is answered as ever.
+    pub(super) fn cancel_jog(&mut self) {
         self.acts.push(MachineAct::Stop);
+        self.input.cancel_jogs();
         self.waiting.clear();
         self.is_open = false;
         self.wait = Some(Wait::Stand);
     }
 
     fn report(&mut self, view: &MachineView) {
-        let zero = less(view.place, self.interpreter.work_place(view.place));
+        let origin = self.interpreter.origin(self.interpreter.modal().origin);
         let content = ReportContent {
             state: self.state(view),
-            zero,
+            zero: plus(origin, self.interpreter.shift()),
             free_bytes: self.input.free(),
             overrides: self.overrides,
-            count: self.reports,
+            accessory: Accessory(self.interpreter.modal().laser),
         };
-        let text = report::status(view, &self.settings, &content);
-        self.reports = self.reports.wrapping_add(1);
+        let text = self.reporter.report(view, &self.settings, &content);
         self.output.extend_from_slice(text.as_bytes());
-    }
-
-    /// State in the words of GRBL.
-    pub(super) fn state(&self, view: &MachineView) -> &'static str {
-        match view.phase {
-            MachinePhase::Fault => "Alarm",
-            _ if self.is_locked => "Alarm",
-            MachinePhase::Off if self.was_on => "Sleep",
-            MachinePhase::Off => "Alarm",
-            MachinePhase::Waking => "Home",
-            MachinePhase::Holding if self.is_door => "Door:0",
-            MachinePhase::Slowing if self.is_door => "Door:2",
-            MachinePhase::Holding => "Hold:0",
-            MachinePhase::Slowing => "Hold:1",
-            _ if self.wait == Some(Wait::Paused) => "Hold:0",
-            _ if self.is_check => "Check",
-            MachinePhase::Running | MachinePhase::Stopping if self.is_jog => "Jog",
-            MachinePhase::Running | MachinePhase::Stopping => "Run",
-            // A stand is part of the program.
-            MachinePhase::Idle if !view.is_empty || self.wait.is_some() => match self.is_jog {
-                true => "Jog",
-                false => "Run",
-            },
-            MachinePhase::Idle => "Idle",
-        }
     }
 }
 

@@ -1,111 +1,9 @@
-//! Damaged lines, on a machine that obeys at once.
+//! Damaged lines, on a machine that obeys at once, and what the machine does with good ones.
 
+use crate::machine::{Machine, Random, answers};
 use std::time::Duration;
-use trirrr_grbl::{
-    Dialect, InputsView, MachineAct, MachineFacts, MachinePhase, MachineView, MotionCheck,
-};
-use trirrr_toolpath::{Act, OutputAct, ToolMotion, ToolPlace};
-
-/// A square around the origin, m.
-const SIDE_M: f64 = 0.5;
-
-struct Square;
-
-impl MotionCheck for Square {
-    fn check(&self, _: ToolPlace, motion: &ToolMotion) -> Result<(), String> {
-        let inside = motion.to.position_m.iter().all(|each| each.abs() <= SIDE_M);
-        inside.then_some(()).ok_or_else(|| "out of reach".into())
-    }
-}
-
-struct Machine {
-    dialect: Dialect,
-    view: MachineView,
-    now: Duration,
-    motions: u64,
-    /// Changes of outputs, each with the motions before it.
-    outputs: Vec<(u64, OutputAct)>,
-    /// Ends of programs.
-    ends: u32,
-}
-
-impl Machine {
-    fn new() -> Self {
-        let facts = MachineFacts {
-            name: "test".into(),
-            travel_m: [1.0, 1.0],
-            has_homing: false,
-            ignore_z: false,
-            outputs: 2,
-            inputs: 2,
-        };
-        let view = MachineView {
-            phase: MachinePhase::Off,
-            reason: None,
-            place: ToolPlace::default(),
-            speed_m_s: 0.0,
-            power: 0.0,
-            room: 16,
-            is_empty: true,
-            feed_percent: 100,
-            probe: None,
-            inputs: None,
-        };
-        Self {
-            dialect: Dialect::new(facts, ToolPlace::default(), false),
-            view,
-            now: Duration::ZERO,
-            motions: 0,
-            outputs: Vec::new(),
-            ends: 0,
-        }
-    }
-
-    /// Takes bytes, and works until nothing changes. Returns what the dialect says.
-    fn send(&mut self, bytes: &[u8]) -> String {
-        self.dialect.bytes(bytes);
-        let mut said = Vec::new();
-        for _ in 0..6 {
-            self.now += Duration::from_secs(10);
-            for act in self.dialect.step(self.now, &self.view, &Square) {
-                match act {
-                    MachineAct::Motion(element) => {
-                        self.motions += 1;
-                        if let Act::Motion(motion) = element.act {
-                            let [x, y] = motion.to.position_m;
-                            assert!(x.abs() <= SIDE_M && y.abs() <= SIDE_M, "{motion:?}");
-                            self.view.place = motion.to;
-                        }
-                    }
-                    MachineAct::Output(act) => self.outputs.push((self.motions, act)),
-                    MachineAct::End => self.ends += 1,
-                    MachineAct::Unlock | MachineAct::Home => self.view.phase = MachinePhase::Idle,
-                    MachineAct::Sleep => self.view.phase = MachinePhase::Off,
-                    _ => {}
-                }
-            }
-            said.extend(self.dialect.take_output());
-        }
-        String::from_utf8(said).unwrap()
-    }
-}
-
-fn answers(said: &str) -> usize {
-    let is_answer = |line: &&str| *line == "ok" || line.starts_with("error:");
-    said.lines().filter(is_answer).count()
-}
-
-/// xorshift64*.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, most: usize) -> usize {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 33) as usize % most
-    }
-}
+use trirrr_grbl::InputsView;
+use trirrr_toolpath::OutputAct;
 
 const GOOD: [&str; 16] = [
     "G1 X10 Y20 F600",
@@ -152,14 +50,18 @@ fn a_hundred_thousand_damaged_lines_are_each_answered_once() {
         let shown = String::from_utf8_lossy(&line).into_owned();
         line.push(b'\n');
         let mut said = machine.send(&line);
-        // It may have become a pause.
+        // It may have become a pause, or a long stand.
         if said.is_empty() {
-            said = machine.send(b"~");
+            said = machine.now(b"~");
+            said += &machine.pass(Duration::from_secs(2_000_000));
         }
         assert_eq!(answers(&said), 1, "{number}: {shown:?}: {said:?}");
-        // A sleep, or a pause: both are ended by the user.
-        if machine.view.phase == MachinePhase::Off {
-            machine.send(b"$X\n");
+        // A sleep, or check mode: both are ended by the user.
+        match machine.state().as_str() {
+            "Idle" => {}
+            "Check" => drop(machine.send(b"$C\n")),
+            "Sleep" => drop(machine.send(b"$X\n")),
+            state => panic!("{number}: {shown:?}: {state}"),
         }
     }
     assert!(machine.motions > 1000, "{}", machine.motions);
@@ -181,10 +83,10 @@ fn a_pause_waits_for_the_user_and_a_stand_for_its_time() {
 fn a_wait_for_an_input_ends_by_it() {
     let mut machine = Machine::new();
     machine.send(b"$X\n");
-    machine.view.is_empty = false;
+    machine.is_busy = true;
     assert_eq!(answers(&machine.send(b"G1 X1 F100\nM66 P1 L3 Q1000\n")), 1);
     // Before the machine has told its inputs, none is on or off.
-    machine.view.is_empty = true;
+    machine.is_busy = false;
     assert_eq!(answers(&machine.send(b"")), 0);
     let inputs = |on, risen, fallen| Some(InputsView { on, risen, fallen });
     machine.view.inputs = inputs(0b01, 0, 0);
@@ -212,7 +114,10 @@ fn a_wait_that_is_over_in_vain_locks_the_machine() {
     machine.view.inputs = Some(InputsView::default());
     let said = machine.send(b"G1 X1 F100\nM66 P1 L3 Q5.5\nX2\n");
     let expected = "ok\r\n[MSG:line 3: input 1 was not on within 5.5 s]\r\nALARM:5\r\nerror:9\r\n";
-    assert_eq!((said.as_str(), machine.motions), (expected, 1));
+    // The line behind is answered, too.
+    let (before, behind) = said.split_at(expected.len());
+    assert_eq!((before, machine.motions), (expected, 1));
+    assert!(behind.ends_with("locked: $X unlocks it, $H brings it to its start]\r\nerror:9\r\n"));
     assert!(machine.send(b"G1 X2\n").contains("the machine is locked"));
     machine.send(b"$X\nG1 X2 F100\n");
     assert_eq!(machine.motions, 2);
@@ -230,11 +135,11 @@ fn a_wait_that_is_over_in_vain_locks_the_machine() {
 fn outputs_change_where_the_program_has_them() {
     let mut machine = Machine::new();
     machine.send(b"$X\n");
-    machine.view.is_empty = false;
+    machine.is_busy = true;
     let said = machine.send(b"G1 X1 F100\nM64 P1\nX2\nM63 P0\nX3\nM2\n");
     assert_eq!((answers(&said), machine.motions), (1, 1));
     assert_eq!(machine.outputs, []);
-    machine.view.is_empty = true;
+    machine.is_busy = false;
     assert_eq!(answers(&machine.send(b"")), 5);
     let act = |index, on, with_motion| OutputAct {
         index,
@@ -260,7 +165,7 @@ fn outputs_change_where_the_program_has_them() {
 fn a_refused_motion_locks_the_machine_until_the_user_unlocks_it() {
     let mut machine = Machine::new();
     machine.send(b"$X\n");
-    machine.dialect.refused("line 3: torque of motor 1");
+    machine.refuse("line 3: torque of motor 1");
     let said = machine.send(b"G1 X1 F100\n?");
     assert!(
         said.contains("ALARM:2") && said.contains("torque of motor 1"),

@@ -1,21 +1,28 @@
 //! Machine behind a sender: pieces of its path, orders, and what the machine tells.
 
+mod hold;
+mod probing;
+mod refusals;
+mod waking;
+
 use super::inputs::ProgramInputs;
 use super::outputs::ProgramOutputs;
-use super::path::{PathFeed, QueuedPiece};
+use super::path::{MOTIONS, PathFeed, QueuedPiece};
+use hold::Holds;
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_client::describe::{self, Units as Words};
 use trirrr_client::exchange::{Exchange, Patience, Turn};
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
-use trirrr_grbl::{MachineAct, MachinePhase, MachineView, ProbeEnd};
+use trirrr_grbl::{ContactsView, MachineAct, MachinePhase, MachineView, ProbeEnd};
 use trirrr_protocol::message::{
-    Command, Event, Hello, Message, PathPiece, ProbeRun, Recovery, Refusal, Reply, Request, State,
+    Command, Event, Hello, InputState, InputStates, Message, PathPiece, Reply, Request, State,
     Status, TelemetryFields, Transmit,
 };
 use trirrr_scene::{Scene, offer};
-use trirrr_toolpath::{Act, Element, ToolCurve, ToolMotion, ToolPlace};
+use trirrr_toolpath::ToolPlace;
+use waking::Waking;
 
 /// Time from one status to the next.
 const STATUS_EVERY: Duration = Duration::from_millis(20);
@@ -31,21 +38,6 @@ const SAMPLES_HZ: f64 = 25.0;
 
 /// Moves that wait before a path that still grows is begun.
 const HEAD_START: u32 = 24;
-
-/// Speed to the start of the scene's job, m/s, and shortest time of a way of the motors one by one, s.
-const HOME_M_S: f64 = 0.05;
-const RECOVER_S: f64 = 3.0;
-
-/// Way to the machine being ready.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-struct Waking {
-    homes: bool,
-    /// Orders that were given on the way, each once.
-    cleared: bool,
-    enabled: bool,
-    homed: bool,
-    on_way: bool,
-}
 
 /// Motion with the probe.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,6 +80,13 @@ pub(super) struct MachineDriver<N: Transmit> {
     look: Duration,
     pause: Duration,
     waking: Option<Waking>,
+    holds: Holds,
+    /// The door is or was open, and the sender does not know yet.
+    is_door_hold: bool,
+    /// Reason for which the line to the machine is lost.
+    lost: Option<String>,
+    /// Most moves for which there was room.
+    queue: u16,
     reason: Option<String>,
     refused: Option<String>,
     was_refused: bool,
@@ -132,6 +131,10 @@ impl<N: Transmit> MachineDriver<N> {
             look: Duration::ZERO,
             pause: Duration::ZERO,
             waking: None,
+            holds: Holds::default(),
+            is_door_hold: false,
+            lost: None,
+            queue: 0,
             reason: None,
             refused: None,
             was_refused: false,
@@ -142,9 +145,12 @@ impl<N: Transmit> MachineDriver<N> {
 
     /// The machine as it is known now, with the changes of its inputs since the view before.
     pub(super) fn view(&mut self) -> MachineView {
+        let inputs = self
+            .status
+            .map_or(InputStates::ABSENT, |status| status.inputs);
         MachineView {
             phase: self.phase(),
-            reason: self.reason.clone(),
+            reason: self.lost.clone().or_else(|| self.reason.clone()),
             place: self.place,
             speed_m_s: self.speed_m_s,
             power: self.power,
@@ -152,8 +158,15 @@ impl<N: Transmit> MachineDriver<N> {
                 Some(_) => 0,
                 None => self.feed.room(),
             },
+            free: self.free(),
+            stands: self.is_settled && self.status.is_some_and(|status| stands(status.state)),
             is_empty: self.is_empty(),
-            feed_percent: self.status.map_or(100, |status| status.feed_percent),
+            contacts: ContactsView {
+                door: inputs.door.is_active(),
+                probe: inputs.probe.is_active(),
+                limits: inputs.limits.map(InputState::is_active),
+            },
+            is_door_hold: self.is_door_hold,
             probe: match &self.probing {
                 Some(Probing::Ended(end)) => Some(end.clone()),
                 _ => None,
@@ -167,6 +180,11 @@ impl<N: Transmit> MachineDriver<N> {
         self.refused.take()
     }
 
+    /// Reason for which the line to the machine is lost.
+    pub(super) fn lost(&self) -> Option<&str> {
+        self.lost.as_deref()
+    }
+
     /// Returns true once the machine has answered.
     pub(super) fn is_known(&self) -> bool {
         self.status.is_some()
@@ -178,7 +196,20 @@ impl<N: Transmit> MachineDriver<N> {
         self.orders.is_empty() && self.is_fresh() && self.status.as_ref().is_some_and(is_off)
     }
 
+    /// Motions for which there is room, in the machine, too.
+    fn free(&self) -> usize {
+        let room = self.status.map_or(0, |status| status.room);
+        let share = MOTIONS * usize::from(room) / usize::from(self.queue.max(1));
+        match self.is_empty() {
+            true => MOTIONS,
+            false => self.feed.room().min(share).min(MOTIONS - 1),
+        }
+    }
+
     fn phase(&self) -> MachinePhase {
+        if self.lost.is_some() {
+            return MachinePhase::Lost;
+        }
         let Some(status) = &self.status else {
             return MachinePhase::Off;
         };
@@ -248,30 +279,36 @@ impl<N: Transmit> MachineDriver<N> {
             MachineAct::Unlock | MachineAct::Home => {
                 self.reason = None;
                 self.outputs.clear();
-                self.waking = Some(Waking {
-                    homes: act == MachineAct::Home,
-                    cleared: false,
-                    enabled: false,
-                    homed: false,
-                    on_way: false,
-                });
+                self.waking = Some(Waking::new(act == MachineAct::Home));
             }
             MachineAct::Sleep => self.order(Command::Disable),
-            MachineAct::Hold => self.order(Command::Hold),
-            MachineAct::Resume => self.order(Command::Resume),
+            MachineAct::Hold => self.hold(),
+            MachineAct::Resume => self.resume(),
             MachineAct::Stop => {
-                self.feed.clear();
-                self.waking = None;
-                self.probing = None;
-                self.outputs.clear();
+                self.drop_holds();
+                self.drop_program();
                 self.order(Command::Stop);
             }
             MachineAct::Feed(percent) => self.order(Command::FeedOverride { percent }),
         }
     }
 
-    /// Begins the conversation again on a port that was opened anew.
-    pub(super) fn reconnected(&mut self) {
+    /// Drops what the machine has not taken, and what it was to become.
+    fn drop_program(&mut self) {
+        self.feed.clear();
+        self.waking = None;
+        self.probing = None;
+        self.outputs.clear();
+        self.piece = None;
+    }
+
+    /// The line to the machine is lost. The program is dropped; the machine stops by itself, and is told to once it is found again.
+    pub(super) fn lose(&mut self, why: &str) {
+        self.lost = Some(why.to_owned());
+        self.refused = None;
+        self.orders.clear();
+        self.drop_program();
+        self.order(Command::Stop);
         self.greeted = false;
         self.exchange.forget();
     }
@@ -315,10 +352,11 @@ impl<N: Transmit> MachineDriver<N> {
         if now < self.pause {
             return None;
         }
-        // A machine that was cut off waits for its host, not for the sender.
-        if status.waits_for_host() {
-            self.pause = now + STATUS_EVERY;
-            return Some(Command::Resume);
+        if let Some(order) = self.hold_order(&status, now) {
+            return Some(order);
+        }
+        if self.is_held() {
+            return None;
         }
         let waits = status.state == State::Idle && status.next != status.done;
         let is_whole = !status.planning && status.admitted == status.next;
@@ -380,7 +418,9 @@ impl<N: Transmit> MachineDriver<N> {
                 self.power = sample.tool.to_f64();
                 self.sample = Some((sample.state, now));
             }
-            Message::Event(Event::State { .. } | Event::Fault(_)) => self.look = self.look.min(now),
+            Message::Event(Event::State { .. } | Event::Fault(_) | Event::Inputs(_)) => {
+                self.look = self.look.min(now)
+            }
             Message::Event(Event::Digital(states)) => self.inputs.take_event(*states),
             _ => {}
         }
@@ -410,6 +450,12 @@ impl<N: Transmit> MachineDriver<N> {
                 if matches!(command, Command::Probe { .. }) {
                     self.probing = Some(Probing::Runs);
                 }
+                if matches!(
+                    command,
+                    Command::Start | Command::Probe { .. } | Command::Resume
+                ) {
+                    self.started();
+                }
                 if let Command::OutputsAt(switch) = command {
                     self.outputs.are_told(switch.number);
                 }
@@ -423,6 +469,9 @@ impl<N: Transmit> MachineDriver<N> {
         self.look = now + STATUS_EVERY;
         self.known = self.asked_at;
         self.status = Some(status);
+        self.lost = None;
+        self.queue = self.queue.max(status.room);
+        self.watch_door(&status);
         if let Some(states) = status.digital {
             self.inputs.take_status(states);
         }
@@ -475,198 +524,16 @@ impl<N: Transmit> MachineDriver<N> {
             self.wake(&status);
         }
     }
+}
 
-    /// Takes the end of a motion with the probe.
-    fn end_probing(&mut self, status: &Status<N>) {
-        if status.fault.is_some() {
-            self.probing = None;
-        }
-        let is_over = status.state == State::Idle && status.next == status.done && !status.planning;
-        if self.probing != Some(Probing::Runs) || !is_over || !self.is_fresh() {
-            return;
-        }
-        let end = match status.probe {
-            Some(ProbeRun::Armed) => return,
-            Some(ProbeRun::Touched(contact)) => {
-                let metres = self.units.length_m();
-                // Where the drives tell more, they tell where the probe truly was.
-                let pose = contact.measured.unwrap_or(contact.pose);
-                ProbeEnd::Touched(ToolPlace {
-                    position_m: [pose.position.x, pose.position.y]
-                        .map(|each| each.to_f64() * metres),
-                    alpha_rad: N::angle_to_f64(pose.angle),
-                })
-            }
-            Some(ProbeRun::NotTouched) | None => ProbeEnd::NotTouched,
-        };
-        self.probing = Some(Probing::Ended(end));
-        self.feed.clear();
-        self.piece = None;
-    }
-
-    /// The next step on the way to a machine that is ready.
-    fn wake(&mut self, status: &Status<N>) {
-        let Some(mut waking) = self.waking else {
-            return;
-        };
-        let fail = match status.state {
-            State::Fault if !waking.cleared => {
-                waking.cleared = true;
-                self.order(Command::ClearFault);
-                None
-            }
-            State::Fault => Some(match &status.fault {
-                Some(fault) => describe::fault(fault, &self.words),
-                None => "the fault does not go away".into(),
-            }),
-            State::Disabled if !waking.enabled => {
-                waking.enabled = true;
-                self.order(Command::Enable);
-                None
-            }
-            State::Disabled => Some(match &status.not_enabled {
-                Some(why) => format!("not enabled: {}", describe::not_enabled(why)),
-                None => "the drives went off again".into(),
-            }),
-            State::Unhomed if waking.homes && !waking.homed => {
-                waking.homed = true;
-                self.order(Command::Home);
-                None
-            }
-            State::Unhomed => Some("the machine does not know where its motors are: $H homes it".into()),
-            State::Cleared if waking.homes && !waking.homed => {
-                waking.homed = true;
-                let ticks = (RECOVER_S * self.tick_rate_hz).round().max(1.0) as u32;
-                self.order(Command::Recover(Recovery {
-                    to: offer::pose(&self.units.pose(&self.start)),
-                    ticks,
-                }));
-                None
-            }
-            State::Cleared => Some(
-                "the platform's pose is not known after the fault: $H brings the machine to its start, slowly".into(),
-            ),
-            State::Idle if !self.is_empty() => None,
-            State::Idle if waking.homes && !waking.on_way && !self.is_at_start() => {
-                waking.on_way = true;
-                self.feed.stand(&self.place);
-                self.feed.push(&way_to(place_of(&self.start)));
-                self.feed.flush();
-                None
-            }
-            State::Idle => {
-                self.feed.stand(&self.place);
-                self.waking = None;
-                return;
-            }
-            _ => None,
-        };
-        self.waking = match fail {
-            Some(reason) => {
-                self.reason = Some(reason);
-                None
-            }
-            None => Some(waking),
-        };
-    }
-
-    fn is_at_start(&self) -> bool {
-        let start = place_of(&self.start);
-        let off = (0..2).map(|axis| self.place.position_m[axis] - start.position_m[axis]);
-        off.chain([self.place.alpha_rad - start.alpha_rad])
-            .all(|off| off.abs() < 1e-6)
-    }
-
-    fn on_refusal(&mut self, command: &Command<N>, refusal: Refusal<N>, now: Duration) {
-        match (command, refusal) {
-            (_, Refusal::HelloFirst | Refusal::Sequence { .. } | Refusal::SequenceReused) => {
-                self.greeted = false;
-            }
-            (Command::Path(_), Refusal::MoveNumber { expected }) => self.piece = Some(expected),
-            (Command::Path(_), Refusal::NoPaths) => {
-                self.failure = Some(
-                    "the machine plans no paths: its scene needs `plans_paths = true` in [service], and a number type with a floating point"
-                        .into(),
-                );
-            }
-            (Command::Hello(_), refusal) => {
-                self.failure = Some(describe::refusal(&refusal, 0, &self.words));
-            }
-            (
-                Command::Path(_),
-                Refusal::QueueFull
-                | Refusal::Busy
-                | Refusal::Undecided
-                | Refusal::Retargeting
-                | Refusal::StartVelocity
-                | Refusal::State(_),
-            ) => {
-                self.pause = now + PAUSE;
-                self.look = self.pause;
-            }
-            (Command::Path(_), refusal) => {
-                self.refused = Some(describe::refusal(&refusal, 0, &self.words));
-                self.feed.clear();
-                self.piece = None;
-            }
-            (Command::Output { .. }, Refusal::Busy) => {
-                self.orders.push_front(*command);
-                self.pause = now + PAUSE;
-            }
-            (Command::Output { .. }, refusal)
-            | (Command::OutputsAt(_), refusal @ Refusal::NoOutput { .. }) => {
-                self.refused = Some(describe::refusal(&refusal, 0, &self.words));
-                self.feed.clear();
-                self.outputs.clear();
-                self.piece = None;
-            }
-            // What waits is dropped: closing the door must start nothing.
-            (
-                Command::Probe { .. },
-                Refusal::NoProbe
-                | Refusal::ProbeTouches
-                | Refusal::ProbeOpen
-                | Refusal::DoorOpen
-                | Refusal::LimitSwitch { .. },
-            ) => {
-                let why = describe::refusal(&refusal, 0, &self.words);
-                self.probing = Some(Probing::Ended(ProbeEnd::Refused(why)));
-                self.feed.clear();
-                self.piece = None;
-                self.order(Command::Stop);
-            }
-            (Command::Start, Refusal::DoorOpen | Refusal::LimitSwitch { .. }) => {
-                self.refused = Some(describe::refusal(&refusal, 0, &self.words));
-                self.feed.clear();
-                self.piece = None;
-                self.order(Command::Stop);
-            }
-            // Too early or too late: the next status says what holds.
-            _ => {
-                self.pause = now + PAUSE;
-                self.look = self.pause;
-            }
-        }
-    }
+/// No motor moves.
+fn stands(state: State) -> bool {
+    !moves(state) && !matches!(state, State::Homing | State::Recovering | State::Reacting)
 }
 
 /// The tool point moves along the path, or may.
 fn moves(state: State) -> bool {
     matches!(state, State::Running | State::Slowing | State::Stopping)
-}
-
-/// Straight, slow motion with the tool off.
-fn way_to(to: ToolPlace) -> Element {
-    Element {
-        line: 0,
-        tool: None,
-        act: Act::Motion(ToolMotion {
-            curve: ToolCurve::Line,
-            to,
-            feed_m_s: Some(HOME_M_S),
-            stops: true,
-        }),
-    }
 }
 
 pub(super) fn place_of(pose: &Pose<f64>) -> ToolPlace {

@@ -1,0 +1,7 @@
+//! The dialect with machines that obey.
+
+mod alarms;
+mod damaged;
+mod held;
+mod machine;
+mod sessions;

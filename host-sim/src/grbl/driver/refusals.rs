@@ -1,0 +1,84 @@
+//! Refusals of the machine.
+
+use super::{MachineDriver, PAUSE, Probing};
+use std::time::Duration;
+use trirrr_client::describe;
+use trirrr_grbl::ProbeEnd;
+use trirrr_protocol::message::{Command, Refusal, Transmit};
+
+impl<N: Transmit> MachineDriver<N> {
+    pub(super) fn on_refusal(&mut self, command: &Command<N>, refusal: Refusal<N>, now: Duration) {
+        match (command, refusal) {
+            // It is as a hold: what waits stays, and closing the door starts nothing.
+            (_, Refusal::DoorOpen) => {
+                self.is_door_hold = true;
+                self.look = now;
+            }
+            (_, Refusal::HelloFirst | Refusal::Sequence { .. } | Refusal::SequenceReused) => {
+                self.greeted = false;
+            }
+            (Command::Path(_), Refusal::MoveNumber { expected }) => self.piece = Some(expected),
+            (Command::Path(_), Refusal::NoPaths) => {
+                self.failure = Some(
+                    "the machine plans no paths: its scene needs `plans_paths = true` in [service], and a number type with a floating point"
+                        .into(),
+                );
+            }
+            (Command::Hello(_), refusal) => {
+                self.failure = Some(describe::refusal(&refusal, 0, &self.words));
+            }
+            (
+                Command::Path(_),
+                Refusal::QueueFull
+                | Refusal::Busy
+                | Refusal::Undecided
+                | Refusal::Retargeting
+                | Refusal::StartVelocity
+                | Refusal::State(_),
+            ) => {
+                self.pause = now + PAUSE;
+                self.look = self.pause;
+            }
+            (Command::Path(_), refusal) => {
+                self.refused = Some(describe::refusal(&refusal, 0, &self.words));
+                self.feed.clear();
+                self.piece = None;
+            }
+            (Command::Output { .. }, Refusal::Busy) => {
+                self.orders.push_front(*command);
+                self.pause = now + PAUSE;
+            }
+            (Command::Output { .. }, refusal)
+            | (Command::OutputsAt(_), refusal @ Refusal::NoOutput { .. }) => {
+                self.refused = Some(describe::refusal(&refusal, 0, &self.words));
+                self.feed.clear();
+                self.outputs.clear();
+                self.piece = None;
+            }
+            (
+                Command::Probe { .. },
+                Refusal::NoProbe
+                | Refusal::ProbeTouches
+                | Refusal::ProbeOpen
+                | Refusal::LimitSwitch { .. },
+            ) => {
+                let why = describe::refusal(&refusal, 0, &self.words);
+                self.probing = Some(Probing::Ended(ProbeEnd::Refused(why)));
+                self.feed.clear();
+                self.piece = None;
+                self.order(Command::Stop);
+            }
+            (Command::Start, Refusal::LimitSwitch { .. }) => {
+                self.refused = Some(describe::refusal(&refusal, 0, &self.words));
+                self.feed.clear();
+                self.piece = None;
+                self.order(Command::Stop);
+            }
+            // Too early or too late: the next status says what holds.
+            _ => {
+                self.pause = now + PAUSE;
+                self.look = self.pause;
+            }
+        }
+    }
+}
