@@ -1,11 +1,11 @@
 //! Limit switches of the motors.
 
-use super::debounce::DebouncedInput;
+use super::debounce::StopContact;
 
 /// Switches beyond which the motors may not go, one for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct LimitSwitches {
-    contacts: [DebouncedInput; 3],
+    contacts: [StopContact; 3],
     /// Motors that stand on their switches, and for which a fault was latched or none was due. A switch that opens is due again.
     heeded: [bool; 3],
 }
@@ -13,7 +13,7 @@ pub(super) struct LimitSwitches {
 impl LimitSwitches {
     pub(super) fn new(debounce_ticks: u16) -> Self {
         Self {
-            contacts: [DebouncedInput::new(debounce_ticks); 3],
+            contacts: [StopContact::new(debounce_ticks); 3],
             heeded: [false; 3],
         }
     }

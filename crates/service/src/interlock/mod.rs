@@ -21,7 +21,7 @@ use trirrr_core::number::Number;
 use trirrr_core::to_source;
 use trirrr_protocol::message::{InputState, InputStates};
 
-pub(crate) use debounce::DebouncedInput;
+pub(crate) use debounce::{DebouncedInput, StopContact};
 use limits::LimitSwitches;
 pub(crate) use probe::{LatchedContact, LatchedRun};
 pub use probe::{ProbeLatch, ProbeMemory};
@@ -226,12 +226,12 @@ pub mod input_bits {
 /// Interlocks of a scene with the [inputs](input_bits) `INPUTS`, and with a probe `P`, a [`ProbeLatch`] or `()`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Interlocks<N: Number, const INPUTS: u8, P> {
-    stop: DebouncedInput,
+    stop: StopContact,
     category: StopCategory,
     /// A fault was latched since the stop was acknowledged.
     is_latched: bool,
     has_stop: bool,
-    door: DebouncedInput,
+    door: StopContact,
     has_door: bool,
     limits: LimitSwitches,
     has_limits: bool,
@@ -248,11 +248,11 @@ impl<N: Number, const INPUTS: u8, P: ProbeMemory<N>> Interlocks<N, INPUTS, P> {
     pub fn new(parameters: &InterlockParameters) -> Self {
         let stop = parameters.emergency_stop;
         Self {
-            stop: DebouncedInput::new(stop.map_or(1, |stop| stop.debounce_ticks)),
+            stop: StopContact::new(stop.map_or(1, |stop| stop.debounce_ticks)),
             category: stop.map_or(StopCategory::Off, |stop| stop.category),
             is_latched: false,
             has_stop: Self::STOP && stop.is_some(),
-            door: DebouncedInput::new(parameters.door.map_or(1, |door| door.debounce_ticks)),
+            door: StopContact::new(parameters.door.map_or(1, |door| door.debounce_ticks)),
             has_door: Self::DOOR && parameters.door.is_some(),
             limits: LimitSwitches::new(parameters.limits.map_or(1, |each| each.debounce_ticks)),
             has_limits: Self::LIMITS && parameters.limits.is_some(),

@@ -277,6 +277,42 @@ fn an_emergency_stop_switches_off_what_a_fault_of_category_2_holds() {
     assert_eq!(fault.code, FaultCode::Overrun);
 }
 
+/// A loose wire: however short the active parts, the contact of a stop, a door and a limit switch is heard.
+#[test]
+fn a_contact_that_chatters_stops_the_machine_within_its_bound() {
+    type Contact = fn(&mut InterlockReadings) -> &mut bool;
+    let contacts: [(Contact, u16, State); 3] = [
+        (|told| &mut told.emergency_stop, STOP_TICKS, State::Fault),
+        (|told| &mut told.door, DOOR_TICKS, State::Slowing),
+        (|told| &mut told.limits[1], LIMIT_TICKS, State::Fault),
+    ];
+    for (contact, ticks, stopped) in contacts {
+        for (open, closed) in [(1, 1), (2, 2), (1, 2), (2, 3), (1, 10 * ticks - 1)] {
+            let mut scene = scene(StopCategory::Off);
+            scene.parameters.limits = touching().parameters.limits;
+            let mut guarded = Guarded {
+                bench: Bench::set(scene, home(), settings()),
+                readings: InterlockReadings::default(),
+            };
+            let way = rest(0, home(), pose(0.28, 0.28, 0.2), 200);
+            guarded.bench.offer(way);
+            guarded.bench.done(Command::Start);
+            guarded.ticks(10);
+            let mut within = 0;
+            while guarded.bench.service.state() == State::Running {
+                *contact(&mut guarded.readings) = within % (open + closed) < open;
+                guarded.tick();
+                within += 1;
+                assert!(within <= 10 * ticks * ticks, "{open} {closed}");
+            }
+            assert_eq!(guarded.bench.service.state(), stopped);
+            if open == closed {
+                assert!(within <= 2 * ticks, "{within}");
+            }
+        }
+    }
+}
+
 /// The tool is off at once, the path waits, and goes on in its own bits when the host says so.
 #[test]
 fn a_door_holds_the_job_with_the_tool_off_until_it_is_closed_and_resumed() {
