@@ -100,10 +100,12 @@ impl FeedScale {
         self.level == self.goal
     }
 
-    /// One tick towards rest, at the rates of `pace`.
+    /// One tick towards rest, at the lesser rates of both `paces`.
     #[inline(never)]
-    pub(super) fn slower(&self, pace: &Pace) -> Step {
-        let [any, half] = pace.braking();
+    pub(super) fn slower(&self, [pace, next]: &[Pace; 2]) -> Step {
+        // Not those of the lesser pace: with the rate at rest of one and that at normal speed of the other they are less.
+        let [[any, half], others] = [pace.braking(), next.braking()];
+        let [any, half] = [any.min(others[0]), half.min(others[1])];
         let most = match 2 * self.level <= self.top {
             true => half,
             false => any,
@@ -111,18 +113,19 @@ impl FeedScale {
         self.step_to(self.level.saturating_sub(most))
     }
 
-    /// One tick at the rates of `pace`, or where it goes beyond the tick `end` at the lesser ones of `pace` and `next`.
+    /// One tick at the rates of `pace`, or where it goes beyond the tick `end` at the lesser ones of `pace` and `next`: a `step`
+    /// keeps the rates of two.
     pub(super) fn across(
         &self,
         from: PathPosition,
         end: u32,
         [pace, next]: [Pace; 2],
-        step: impl Fn(&Pace) -> Step,
+        step: impl Fn(&[Pace; 2]) -> Step,
     ) -> Step {
-        let within = step(&pace);
+        let within = step(&[pace, pace]);
         let crosses = from.part + within.parts >= 2 * self.top;
         match crosses && from.tick.saturating_add(1) >= end {
-            true => step(&pace.and(next)),
+            true => step(&[pace, next]),
             false => within,
         }
     }
@@ -132,13 +135,15 @@ impl FeedScale {
         self.step_to(self.level)
     }
 
-    /// One tick towards the pace that the host asks for, or at it, at the rates of `pace`, from `part` of a tick.
+    /// One tick towards the pace that the host asks for, or at it, at the lesser rates of both `paces`, from `part` of a tick.
     #[inline(never)]
-    pub(super) fn faster(&self, pace: &Pace, part: u32) -> Step {
+    pub(super) fn faster(&self, paces: &[Pace; 2], part: u32) -> Step {
         if self.level >= self.goal {
-            let Step { level, .. } = self.slower(pace);
+            let Step { level, .. } = self.slower(paces);
             return self.step_to(level.max(self.goal));
         }
+        let [pace, next] = paces;
+        let pace = &pace.and(*next);
         let most = self.most_faster(pace);
         let behind = self.top - self.level;
         if self.goal < self.top {
@@ -263,7 +268,7 @@ mod tests {
             let mut position = PathPosition { tick: 5, part: 0 };
             let mut ticks = 0;
             while !feed.is_at_rest() {
-                let step = feed.slower(&Pace::FULL);
+                let step = feed.slower(&[Pace::FULL; 2]);
                 position = feed.take(step, position);
                 ticks += 1;
             }
@@ -274,7 +279,7 @@ mod tests {
                 u32::from(ramp)
             );
             while !feed.is_at_goal() {
-                let step = feed.faster(&Pace::FULL, position.part);
+                let step = feed.faster(&[Pace::FULL; 2], position.part);
                 position = feed.take(step, position);
             }
             let expected = PathPosition {
@@ -282,7 +287,7 @@ mod tests {
                 part: 0,
             };
             assert_eq!(position, expected);
-            let step = feed.faster(&Pace::FULL, position.part);
+            let step = feed.faster(&[Pace::FULL; 2], position.part);
             assert!(step.is_normal(&feed));
         }
     }
@@ -332,20 +337,20 @@ mod tests {
             }
         }
 
-        fn across(&self, step: impl Fn(&Pace) -> Step) -> (Step, Pace) {
+        fn across(&self, step: impl Fn(&[Pace; 2]) -> Step) -> (Step, [Pace; 2]) {
             let (ticks, pace) = self.parts[self.index];
             let next = self.parts.get(self.index + 1).map_or(pace, |next| next.1);
             let end = self.begin + ticks;
             let step = self.feed.across(self.position, end, [pace, next], step);
             let crosses = self.position.part + step.parts >= 2 * self.feed.top();
             match crosses && self.position.tick + 1 >= end {
-                true => (step, pace.and(next)),
-                false => (step, pace),
+                true => (step, [pace, next]),
+                false => (step, [pace, pace]),
             }
         }
 
         /// One tick, and the rates that its parts allow are kept on it.
-        fn tick(&mut self, (step, pace): (Step, Pace)) {
+        fn tick(&mut self, (step, paces): (Step, [Pace; 2])) {
             let u = f64::from(step.level) / f64::from(self.feed.top());
             let allowed = |[rest, normal]: [u8; 2]| {
                 f64::from(rest) + (f64::from(normal) - f64::from(rest)) * u * u
@@ -353,14 +358,17 @@ mod tests {
             let slope = f64::from(step.slope);
             // The rates at half of normal speed are those of its upper end.
             let before = (f64::from(step.level) - slope) / f64::from(self.feed.top());
-            let slower = match before <= 0.5 {
-                true => f64::from(pace.slower[0]) * 0.75 + f64::from(pace.slower[1]) * 0.25,
-                false => f64::from(pace.slower[1]),
-            };
-            assert!(
-                slope >= -slower && slope <= allowed(pace.faster),
-                "{step:?} {pace:?}"
-            );
+            for pace in paces {
+                let [rest, normal] = pace.slower.map(f64::from);
+                let slower = match before <= 0.5 {
+                    true => rest * 0.75 + normal * 0.25,
+                    false => normal,
+                };
+                assert!(
+                    slope >= -slower && slope <= allowed(pace.faster),
+                    "{step:?} {paces:?}"
+                );
+            }
             self.position = self.feed.take(step, self.position);
             let (ticks, _) = self.parts[self.index];
             if self.position.tick >= self.begin + ticks && self.index + 1 < self.parts.len() {
@@ -381,13 +389,23 @@ mod tests {
         ]
     }
 
+    /// Parts of all kinds, or of two in turn.
+    fn parts() -> impl Strategy<Value = Vec<(u32, Pace)>> {
+        let part = || (1u32..30, paces());
+        let in_turn = |(pair, times): (_, _)| core::iter::repeat_n(pair, times).flatten().collect();
+        prop_oneof![
+            proptest::collection::vec(part(), 1..40),
+            ([(1u32..4, paces()), (1u32..4, paces())], 1usize..60).prop_map(in_turn),
+        ]
+    }
+
     proptest! {
         /// However the rates change from part to part and whatever is asked for: the rates are kept, the path stops before its
         /// end, and normal speed stands at whole ticks.
         #[test]
         fn rates_are_kept_and_the_end_is_never_passed(
             ramp in prop_oneof![1u16..40, 8190u16..8200],
-            parts in proptest::collection::vec((1u32..30, paces()), 1..40),
+            parts in parts(),
             wishes in proptest::collection::vec((any::<bool>(), 1u8..=100, 1u32..60), 1..20),
         ) {
             let mut walk = Walk::new(ramp, parts);
@@ -397,9 +415,9 @@ mod tests {
                 walk.feed.aim_at(if percent > 60 { 100 } else { percent });
                 for _ in 0..ticks {
                     let part = walk.position.part;
-                    let faster = walk.across(|pace| walk.feed.faster(pace, part));
+                    let faster = walk.across(|paces| walk.feed.faster(paces, part));
                     let steady = walk.across(|_| walk.feed.steady());
-                    let can = |step: (Step, Pace)| walk.feed.can_stop(step.0, part, walk.room());
+                    let can = |step: (Step, [Pace; 2])| walk.feed.can_stop(step.0, part, walk.room());
                     // Once it slows down it does so to rest.
                     let down = wish == Some(false) && !walk.feed.is_at_rest();
                     let step = match go && !down {
@@ -407,7 +425,7 @@ mod tests {
                         true if can(steady) => steady,
                         _ => {
                             wish = Some(false);
-                            walk.across(|pace| walk.feed.slower(pace))
+                            walk.across(|paces| walk.feed.slower(paces))
                         }
                     };
                     if walk.feed.is_at_rest() {
@@ -437,15 +455,50 @@ mod tests {
             for (ticks, rate) in stops {
                 let pace = Pace { slower: [rate; 2], faster: [FULL; 2] };
                 for _ in 0..ticks {
-                    position = feed.take(feed.slower(&pace), position);
+                    position = feed.take(feed.slower(&[pace; 2]), position);
                 }
                 let mut waited = 0;
                 while !feed.is_at_goal() {
-                    position = feed.take(feed.faster(&Pace::FULL, position.part), position);
+                    position = feed.take(feed.faster(&[Pace::FULL; 2], position.part), position);
                     waited += 1;
                     prop_assert!(waited <= 2 * u32::from(ramp) + 4);
                 }
                 prop_assert_eq!(position.part, 0);
+            }
+        }
+    }
+
+    /// A tick that goes over from part to part brakes at the lesser rate of both, at up to half of normal speed, too: of parts
+    /// of which one has more room at rest and the other at normal speed, none is lost beyond the difference.
+    #[test]
+    fn parts_in_turn_keep_their_room() {
+        let pace = |slower| Pace {
+            slower,
+            faster: [FULL; 2],
+        };
+        for (one, other) in [([128, 0], [100, 100]), ([127, 9], [60, 40])] {
+            for (length, percent) in [(1, 50), (2, 50), (2, 47), (3, 49)] {
+                let parts = (0..200).map(|i| (length, pace(if i % 2 == 0 { one } else { other })));
+                let mut walk = Walk::new(100, parts.collect());
+                walk.feed.aim_at(percent);
+                walk.feed.start();
+                let mut slows = false;
+                while !walk.feed.is_at_rest() {
+                    let steady = walk.across(|_| walk.feed.steady());
+                    let part = walk.position.part;
+                    slows |= !walk.feed.can_stop(steady.0, part, walk.room());
+                    walk.tick(match slows {
+                        true => walk.across(|paces| walk.feed.slower(paces)),
+                        false => steady,
+                    });
+                    assert!(
+                        walk.position.tick < walk.length(),
+                        "{one:?} {length} {percent}"
+                    );
+                }
+                // And most of the room is used.
+                let left = walk.length() - walk.position.tick;
+                assert!(4 * left < walk.length(), "{one:?} {length}: {left}");
             }
         }
     }

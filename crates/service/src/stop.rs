@@ -90,7 +90,7 @@ impl<'a> Walk<'a> {
         while !self.feed.is_at_rest() {
             let (pace, end, behind) = self.parts();
             let paces = [pace, behind.unwrap_or(pace)];
-            let slower = |pace: &Pace| self.feed.slower(pace);
+            let slower = |paces: &[Pace; 2]| self.feed.slower(paces);
             let step = self.feed.across(self.position, end, paces, slower);
             let from = self.position.tick;
             self.position = self.feed.take(step, self.position);

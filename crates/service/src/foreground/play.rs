@@ -169,19 +169,19 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             }
             _ => {}
         }
-        self.across(|pace| self.feed.slower(pace))
+        self.across(|paces| self.feed.slower(paces))
     }
 
     fn faster(&self) -> Step {
         // At its goal the pace does not change, whatever the rates.
         match self.feed.is_at_goal() {
             true => self.feed.steady(),
-            false => self.across(|pace| self.feed.faster(pace, self.position.part)),
+            false => self.across(|paces| self.feed.faster(paces, self.position.part)),
         }
     }
 
     /// A step at the rates of this tick: where it goes over into another part, at the lesser ones of both.
-    fn across(&self, step: impl Fn(&Pace) -> Step) -> Step {
+    fn across(&self, step: impl Fn(&[Pace; 2]) -> Step) -> Step {
         let Part { index, end, pace } = self.part;
         let next = match &self.current {
             Some(current) if end < self.clip(current.ticks) => Some(current.paces.of(index + 1)),
