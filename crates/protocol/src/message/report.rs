@@ -154,7 +154,7 @@ pub struct Status<N: Number> {
     pub next: u32,
     /// Number of the first move that is not admitted: all before it are,
     pub admitted: u32,
-    /// and of the first that is not over: all before it were played to their end, or left on the way:
+    /// and of the first that is not over: all before it were passed to their end, or left on the way:
     /// [`interrupted`](Self::interrupted) where the job has ended, [`cut`](Self::cut) by a retarget.
     pub done: u32,
     /// Number of the next piece of a path. A piece that is refused, and all behind it, are dropped: the next to
@@ -186,9 +186,9 @@ pub struct Status<N: Number> {
     pub feed_percent: u8,
     /// The last cut by a retarget since the machine was switched on.
     pub cut: Option<Cut>,
-    /// Place at which the last move that was not played to its end was left, since the machine was switched on.
+    /// Place at which the last job that was not played to its end was left, since the machine was switched on.
     pub interrupted: Option<Interruption>,
-    /// The job that was named last since the machine was switched on.
+    /// The job that was named last since the machine was switched on. One that was left is told until other moves are offered.
     pub job: Option<JobAccount>,
     /// Reason why the last [`Enable`](super::Command::Enable) ended in [`State::Disabled`].
     pub not_enabled: Option<NotEnabled<N>>,
@@ -230,10 +230,11 @@ pub struct Cut {
     pub next: u32,
 }
 
-/// Place on the path at which a stop or a fault has ended a job.
+/// Place on the path at which a job lost its tool: at a stop, at a fault, or at an open door before them or before the end. The machine came to
+/// rest on the path behind it, maybe moves later: [`done`](Status::done) counts those, too. A host that goes on with the job begins here.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Interruption {
-    /// Number of the move under way. It counts as over, but it was not played to its end. The moves behind it were not begun.
+    /// Number of the move that was under way.
     pub number: u32,
     /// Its tick.
     pub at: u32,

@@ -131,6 +131,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Keeps the name of the job whose moves come next.
     pub(super) fn name_job(&mut self, label: &JobLabel) -> Result<(), Refusal<N>> {
         self.require_idle()?;
+        self.job_is_over = false;
         self.status.job = Some(JobAccount {
             label: *label,
             first_move: self.status.next,

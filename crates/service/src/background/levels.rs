@@ -54,7 +54,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             return Err(Refusal::QueueFull);
         }
         levels.bind(list);
-        self.status.refused = None;
+        self.count_offer();
         self.status.next = self.status.next.wrapping_add(1);
         self.status.end = Some(each.end());
         Ok(())

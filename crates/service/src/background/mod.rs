@@ -100,6 +100,8 @@ pub struct Background<'q, S: Scene> {
     rests: u32,
     /// The oldest of the offered moves is with the admission.
     checking: bool,
+    /// The job that was named last was left: offers without a name are of another.
+    job_is_over: bool,
 }
 
 /// A pose at which moves end, at rest.
@@ -216,6 +218,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
             admitted: RoomCount::NOTHING,
             rests: 0,
             checking: false,
+            job_is_over: false,
         }
     }
 
@@ -355,6 +358,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     fn start_over(&mut self, report: &ReportOf<S>) {
         self.generation = report.generation;
         self.offered.clear();
+        self.job_is_over = true;
         self.drop_levels();
         self.drop_outputs();
         self.checking = false;

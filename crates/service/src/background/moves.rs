@@ -47,6 +47,15 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         end.ok_or(Refusal::State(state))
     }
 
+    /// An offer of the host was taken: the refusal of the one before is history, and so is a job that was left, unless it was named anew.
+    #[inline(never)]
+    pub(super) fn count_offer(&mut self) {
+        self.status.refused = None;
+        if core::mem::take(&mut self.job_is_over) {
+            self.status.job = None;
+        }
+    }
+
     /// Offers a move that was planned here. Returns false if there is no room.
     #[inline(never)]
     pub(super) fn offer_planned(&mut self, planned: QuinticMove<N>) -> bool {
@@ -108,7 +117,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         if self.room() == 0 || !self.offered.add(offered) {
             return Err(Refusal::QueueFull);
         }
-        self.status.refused = None;
+        self.count_offer();
         self.status.next = self.status.next.wrapping_add(1);
         self.status.end = Some(ends(common.to, common.end_velocity, end_acceleration));
         Ok(())
@@ -145,7 +154,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         for each in batch.moves(&start) {
             let taken = Offered::of(&each).is_some_and(|offered| self.offered.add(offered));
             if taken {
-                self.status.refused = None;
+                self.count_offer();
                 self.status.next = self.status.next.wrapping_add(1);
                 self.status.end = Some(each.end());
             }

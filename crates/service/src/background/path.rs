@@ -42,7 +42,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         if !self.planner.push(piece) {
             return Err(Refusal::QueueFull);
         }
-        self.status.refused = None;
+        self.count_offer();
         self.status.piece = self.status.piece.wrapping_add(1);
         Ok(())
     }

@@ -36,7 +36,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         }
         let moves = matches!(state, State::Running | State::Slowing | State::Holding);
         if goal.cut && moves && self.begin_splice(goal) {
-            self.status.refused = None;
+            self.count_offer();
             return Ok(());
         }
         // It starts where the moves end: they have to stay.
@@ -46,7 +46,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         if self.room() == 0 {
             return Err(Refusal::QueueFull);
         }
-        self.status.refused = None;
+        self.count_offer();
         self.aim_from(&before, goal);
         Ok(())
     }

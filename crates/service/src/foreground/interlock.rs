@@ -46,6 +46,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
     }
 
+    /// Returns true while a door is open, or was since the job ran last.
+    #[inline]
+    pub(super) fn waits_for_door(&self) -> bool {
+        S::Interlocks::EXIST && (self.interlocks.is_open() || self.left.is_some())
+    }
+
     /// The run with the probe is over. The readings of this tick belong to the angles that were commanded in the last one.
     #[cold]
     fn touch(&mut self) {
@@ -66,6 +72,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// that came would let go on waits all the same.
     #[inline(never)]
     fn wait_for_door(&mut self) {
+        self.leave();
         match self.state {
             State::Running | State::Slowing => {
                 self.held = true;

@@ -92,6 +92,8 @@ pub struct Foreground<'q, S: Scene> {
     begun: u32,
     done: u32,
     interrupted: Option<Interruption>,
+    /// Place at which the job under way lost its tool: at a stop, a fault or an open door. The machine may have gone on from there.
+    left: Option<Interruption>,
     /// Tick in which the present wait for moves, or way to rest, began.
     since: u32,
     orders_taken: u8,
@@ -205,6 +207,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             begun: 0,
             done: 0,
             interrupted: None,
+            left: None,
             since: 0,
             orders_taken: 0,
             unreported: false,
@@ -351,10 +354,10 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         self.state
     }
 
-    /// Returns true while the tool may be on: a job runs, and no door is open.
+    /// Returns true while the tool may be on: a job runs, and no door is open, or was since the job ran last.
     #[inline]
     pub fn tool_runs(&self) -> bool {
-        self.state.is_running() && !self.interlocks.is_open()
+        self.state.is_running() && !self.waits_for_door()
     }
 
     /// Latches a fault from outside: a drive's, the board's, a tick that came too late. To be called
@@ -475,9 +478,14 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     fn transition_to(&mut self, state: State, acting: Acting) {
         if self.state != state || self.acting != acting {
             self.account(state, acting);
-            let plays = matches!(state, State::Running | State::Slowing | State::Holding);
-            if !plays && let Some(probe) = self.interlocks.probe() {
-                probe.disarm();
+            if !plays(state) {
+                self.leave();
+                if let Some(probe) = self.interlocks.probe() {
+                    probe.disarm();
+                }
+            }
+            if state == State::Running {
+                self.left = None;
             }
             if let Some(digital) = self.digital.get_mut() {
                 digital.enter(state);
@@ -518,12 +526,8 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     /// Drops everything that is queued: it is of a generation that is over.
     #[inline(never)]
     fn drop_queue(&mut self) {
-        if let (Path::Move, Some(current)) = (self.path, &self.current) {
-            self.interrupted = Some(Interruption {
-                number: current.number,
-                at: self.position.tick,
-            });
-        }
+        self.leave();
+        self.tell_left();
         self.generation = self.generation.wrapping_add(1);
         self.path = Path::None;
         self.current = None;
@@ -540,6 +544,25 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         self.unreported = true;
     }
 
+    /// The tool of the job goes off for good. The first place of a job counts: on the way to rest the path is left without the tool.
+    fn leave(&mut self) {
+        if let (None, true, Path::Move | Path::Ended, Some(current)) =
+            (self.left, plays(self.state), self.path, &self.current)
+        {
+            self.left = Some(Interruption {
+                number: current.number,
+                at: self.position.tick,
+            });
+        }
+    }
+
+    /// The job is over: a host is told where it was left, if it was.
+    fn tell_left(&mut self) {
+        if let Some(left) = self.left.take() {
+            self.interrupted = Some(left);
+        }
+    }
+
     /// The platform stands at `pose`.
     fn standing(pose: Pose<N>) -> Setpoint<N> {
         let zero = Vector3::new(N::ZERO, N::ZERO, N::ZERO);
@@ -549,6 +572,11 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             acceleration: zero,
         }
     }
+}
+
+/// Returns true if a job is under way in `state`, and may go on.
+fn plays(state: State) -> bool {
+    matches!(state, State::Running | State::Slowing | State::Holding)
 }
 
 /// Part of a move with rates of its own.

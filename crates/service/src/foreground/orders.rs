@@ -166,10 +166,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 self.held = true;
                 self.transition_to(State::Slowing, Acting::Hold);
             }
-            // What it waits for changes: it does not go on by itself any more.
+            // What it waits for changes: it does not go on by itself any more. A door outlasts it: the path was left without the tool.
             State::Slowing | State::Holding => {
                 self.held = true;
-                self.transition_to(self.state, Acting::Hold);
+                let acting = match self.left {
+                    Some(_) => Acting::Door,
+                    None => Acting::Hold,
+                };
+                self.transition_to(self.state, acting);
             }
             _ => {}
         }

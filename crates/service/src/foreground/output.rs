@@ -51,7 +51,7 @@ impl<N: Number> Output<N> {
 
 impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Power of the tool: in proportion to its speed along the path, or constant, and nothing unless the job
-    /// runs. Behind an open door nothing, at once: on the way to rest the path is left without the tool.
+    /// runs. Behind an open door nothing, at once, and until the job runs again: on the way to rest the path is left without the tool.
     #[inline]
     pub(super) fn tool(&mut self, setpoint: &Setpoint<N>) -> N {
         if !self.state.is_running() {
@@ -68,7 +68,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             Some(levels) => levels.part_of(power, setpoint),
             None => power,
         };
-        match self.interlocks.is_open() {
+        match self.waits_for_door() {
             true => N::ZERO,
             false => power,
         }

@@ -92,6 +92,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 if self.begin_retreat() {
                     return;
                 }
+                // Behind a door that was opened the end of the path was reached without the tool.
+                let acting = match stopping || self.left.is_some() {
+                    true => self.acting,
+                    false => Acting::Nothing,
+                };
+                self.tell_left();
                 self.current = None;
                 self.end_levels();
                 self.path = Path::None;
@@ -101,11 +107,6 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 if stopping {
                     self.drop_queue();
                 }
-                let acting = if stopping {
-                    self.acting
-                } else {
-                    Acting::Nothing
-                };
                 self.rest_in(State::Idle, acting);
             }
             Path::JointsEnded => {

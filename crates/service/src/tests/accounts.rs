@@ -12,21 +12,19 @@ fn an_interrupted_move_is_told_and_ways_to_rest_are_counted() {
     bench.offer(rest(1, there, home(), 200));
     assert_eq!(bench.status().interrupted, None);
     bench.done(Command::Start);
-    bench.ticks(251);
+    bench.ticks(198);
+    let last = *bench.telemetry.last().unwrap();
     bench.done(Command::Stop);
     bench.until(State::Idle);
     let status = bench.status();
-    let Interruption { number, at } = status.interrupted.unwrap();
-    assert_eq!((number, status.done, status.next), (1, 2, 2));
-    // A machine that is not stopped is there at this tick of the move.
-    let mut never = Bench::<Thesis<f64>>::new();
-    never.offer(rest(0, home(), there, 200));
-    never.offer(rest(1, there, home(), 200));
-    never.done(Command::Start);
-    never.until(State::Idle);
-    let is_there = |sample: &&Telemetry<f64>| (sample.number, sample.at) == (number, at);
-    let passed = never.telemetry.iter().find(is_there).unwrap();
-    assert_eq!(status.end.unwrap().pose, passed.setpoint.pose);
+    // The ramp leads into the next move: the job was left where it was stopped, and the machine stands behind that.
+    assert_eq!((status.done, status.next), (2, 2));
+    let left = Interruption {
+        number: 0,
+        at: last.at,
+    };
+    assert_eq!((last.number, status.interrupted), (0, Some(left)));
+    assert_ne!(status.end.unwrap().pose, last.setpoint.pose);
     assert_eq!(status.longest_stop, u32::from(RAMP));
     assert_eq!((status.dry_ticks, status.late_ticks), (0, 0));
 
@@ -47,6 +45,91 @@ fn an_interrupted_move_is_told_and_ways_to_rest_are_counted() {
     // A late tick of a machine that goes on is counted.
     bench.service.count_late();
     assert_eq!(bench.status().late_ticks, 1);
+}
+
+/// In each state in which a job can be stopped it was left where its tool went off.
+#[test]
+fn a_job_is_left_where_its_tool_went_off() {
+    let there = pose(0.28, 0.28, 0.2);
+    let begin = || {
+        let mut bench = Bench::<Thesis<f64>>::new();
+        bench.offer(rest(0, home(), there, 200));
+        bench.done(Command::Start);
+        bench.ticks(120);
+        bench
+    };
+    let place = |bench: &Bench<Thesis<f64>>| {
+        let last = bench.telemetry.last().unwrap();
+        Some(Interruption {
+            number: last.number,
+            at: last.at,
+        })
+    };
+    let stop = |bench: &mut Bench<Thesis<f64>>| {
+        bench.done(Command::Stop);
+        bench.until(State::Idle);
+        bench.status().interrupted
+    };
+    // In a hold, and on the way to it.
+    for ticks in [3, 100] {
+        let mut bench = begin();
+        bench.done(Command::Hold);
+        bench.ticks(ticks);
+        let expected = place(&bench);
+        assert_eq!(stop(&mut bench), expected);
+    }
+    // In the first tick, and so late that the ramp leads over the end: the job has no part left, but was not played.
+    let mut bench = Bench::<Thesis<f64>>::new();
+    bench.offer(rest(0, home(), there, 200));
+    bench.done(Command::Start);
+    bench.tick();
+    assert_eq!(stop(&mut bench), Some(Interruption { number: 0, at: 0 }));
+    let mut bench = begin();
+    bench.ticks(78);
+    let expected = place(&bench);
+    assert_eq!(stop(&mut bench), expected);
+    assert_eq!(bench.status().end.unwrap().pose, there);
+    // A job that is played leaves the place of the one before.
+    bench.offer(rest(1, there, home(), 100));
+    bench.done(Command::Start);
+    bench.until(State::Running);
+    bench.until(State::Idle);
+    assert_eq!(bench.status().interrupted, expected);
+    // Drives that go off meanwhile make no difference.
+    let mut bench = begin();
+    let expected = place(&bench);
+    bench.done(Command::Disable);
+    bench.until(State::Disabled);
+    assert_eq!(bench.status().interrupted, expected);
+}
+
+/// A job that was left is told until moves of another come: a host does not take those for its own.
+#[test]
+fn moves_behind_a_job_that_was_left_are_not_of_it() {
+    let label = trirrr_protocol::message::JobLabel {
+        name: crate::name("job"),
+        items: 2,
+        check: 7,
+    };
+    let there = pose(0.28, 0.28, 0.2);
+    let mut bench = Bench::<Thesis<f64>>::new();
+    bench.done(Command::Job(label));
+    bench.offer(rest(0, home(), there, 200));
+    bench.offer(rest(1, there, home(), 200));
+    bench.done(Command::Start);
+    bench.ticks(50);
+    bench.done(Command::Stop);
+    bench.until(State::Idle);
+    let status = bench.status();
+    assert_eq!(status.job.unwrap().label, label);
+    bench.offer(rest(1, status.end.unwrap().pose, home(), 200));
+    assert_eq!(bench.status().job, None);
+    bench.done(Command::Start);
+    bench.until(State::Running);
+    bench.until(State::Idle);
+    bench.done(Command::Job(label));
+    bench.offer(rest(2, home(), there, 200));
+    assert_eq!(bench.status().job.unwrap().first_move, 2);
 }
 
 /// Ticks in which the queue was dry are those in which the machine slowed down, or stood, for it.

@@ -4,7 +4,9 @@ use super::homing::home_angles;
 use super::*;
 use crate::settings::StopCategory;
 use core::marker::PhantomData;
-use trirrr_protocol::message::{Acting, DriveFault, FaultCode, InputState, InputStates, Recovery};
+use trirrr_protocol::message::{
+    Acting, DriveFault, FaultCode, InputState, InputStates, Interruption, Recovery,
+};
 
 /// All inputs, as hosts have them.
 type AllInputs<N> = Interlocks<N, { input_bits::ALL }, ProbeLatch<N>>;
@@ -341,11 +343,56 @@ fn a_door_holds_the_job_with_the_tool_off_until_it_is_closed_and_resumed() {
     guarded.bench.done(Command::Resume);
     guarded.until(State::Idle);
     assert_eq!(guarded.bench.status().done, 1);
+    assert_eq!(guarded.bench.status().interrupted, None);
     let mut plain = running(StopCategory::Off);
     plain.until(State::Idle);
     let [held, whole] = [&guarded, &plain].map(|each| each.bench.service.output().motors);
     assert_eq!(held, whole);
     assert_eq!(guarded.told(), [[Clear, Active], [Clear, Clear]]);
+}
+
+/// Once it was open, the tool stays off until the job runs again, and a job that does not was left where it was opened.
+#[test]
+fn a_job_is_left_where_the_door_was_opened() {
+    let opened = |guarded: &mut Guarded<GuardedScene>| {
+        guarded.open(true);
+        let last = *guarded.bench.telemetry.last().unwrap();
+        guarded.tick();
+        Interruption {
+            number: last.number,
+            at: last.at,
+        }
+    };
+    for is_held in [false, true] {
+        let mut guarded = running(StopCategory::Off);
+        let place = opened(&mut guarded);
+        // Closed on the way to rest.
+        guarded.open(false);
+        guarded.tick();
+        assert_eq!(guarded.bench.state(), State::Slowing);
+        assert_eq!(guarded.inputs(), [Clear, Clear]);
+        assert_eq!(guarded.bench.service.output().tool, 0.0);
+        assert!(!guarded.bench.service.foreground.tool_runs());
+        guarded.until(State::Holding);
+        if is_held {
+            guarded.bench.done(Command::Hold);
+            guarded.ticks(2);
+        }
+        assert_eq!(guarded.bench.status().acting, Acting::Door);
+        guarded.bench.done(Command::Stop);
+        guarded.until(State::Idle);
+        assert_eq!(guarded.bench.status().interrupted, Some(place));
+    }
+    // So near the end that the way to rest leads over it.
+    let mut guarded = running(StopCategory::Off);
+    while guarded.bench.telemetry.last().unwrap().at < 94 {
+        guarded.tick();
+    }
+    let place = opened(&mut guarded);
+    guarded.until(State::Idle);
+    let status = guarded.bench.status();
+    assert_eq!((status.done, status.acting), (1, Acting::Door));
+    assert_eq!(status.interrupted, Some(place));
 }
 
 #[test]
