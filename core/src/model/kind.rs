@@ -170,7 +170,6 @@ mod tests {
     use crate::machine::example;
     use crate::number::{Coarse, Fixed};
     use crate::setpoint::{Pose, Setpoint};
-    use crate::source::ToSource;
     use crate::status::Status;
     use crate::tick::{Motion, Tick};
     use nalgebra::{Vector2, Vector3};
