@@ -19,8 +19,8 @@ def program() -> str | None:
 class Device:
     """`trirrr device` on a free port; a context that ends with it."""
 
-    def __init__(self, scene: str, speed: float = 2.0, more: tuple[str, ...] = ()) -> None:
-        command = [program(), "device", str(SCENES / scene), "--listen", "tcp:127.0.0.1:0", "--speed", str(speed), *more]
+    def __init__(self, scene: str, speed: float = 2.0, more: tuple[str, ...] = (), address: str = "tcp:127.0.0.1:0") -> None:
+        command = [program(), "device", str(SCENES / scene), "--listen", address, "--speed", str(speed), *more]
         self._process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         self.address = self._process.stdout.readline().split(" ")[0]
 

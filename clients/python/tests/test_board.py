@@ -10,7 +10,8 @@ import time
 import unittest
 
 from programs import SCENES, Device
-from trirrr import AsyncBoard, Board, BoardError
+import trirrr
+from trirrr import AsyncBoard, Board, BoardError, TrirrrError
 from trirrr.board import Carried
 from trirrr.exchange import Refused
 from trirrr.goals import NoMotion
@@ -70,8 +71,8 @@ class Boards(unittest.TestCase):
                 self.assertAlmostEqual(found, asked, places=6)
             with self.assertRaisesRegex(NoMotion, "no motion to the goal"):
                 board.move((9.0, 9.0, 0.0))
-            with self.assertRaisesRegex(JobFailed, "does not start where"):
-                board.run(SCENES / "thesis.toml")
+            # It goes to the start by itself.
+            board.run(SCENES / "thesis.toml")
             seen: list[tuple[int, int, str]] = []
             ticks = board.run(
                 SCENES / "thesis.toml", recover_s=0.5, progress=lambda *now: seen.append(now)
@@ -112,6 +113,138 @@ class Boards(unittest.TestCase):
             # It stood for some ticks, and came to the end of the path all the same.
             self.assertGreater(len(ticks["t"]), 101)
             self.assertAlmostEqual(ticks["x"][-1], 0.28, places=6)
+
+    def test_a_task_that_is_cancelled_brings_the_machine_to_rest_and_leaves_the_board_usable(self) -> None:
+        async def cancel(address: str) -> None:
+            async with await AsyncBoard.connect(address) as board:
+                await board.enable()
+                start = (await board.status()).end
+                assert start is not None
+
+                async def moving(task: asyncio.Task[object]) -> None:
+                    while (await board.status()).state != "Running":
+                        self.assertFalse(task.done())
+                        await asyncio.sleep(0.01)
+
+                goals = ((0.3, 0.3, 0.2), (0.25, 0.25, 0.0))
+                calls = [lambda: board.run(SCENES / "thesis.toml"), lambda: board.jog((0.01, 0.0, 0.0), 30.0)]
+                calls.append(lambda: board.follow(goals * 50, 0.3))
+                for call in calls:
+                    task = asyncio.create_task(call())
+                    await moving(task)
+                    task.cancel()
+                    # A second one does not leave it in motion either.
+                    await asyncio.sleep(0)
+                    task.cancel()
+                    with self.assertRaises(asyncio.CancelledError):
+                        await task
+                    status = await board.status()
+                    self.assertEqual((status.state, status.moves), ("Idle", 0))
+                # The same by a time that is out.
+                task = asyncio.create_task(asyncio.wait_for(board.run(SCENES / "thesis.toml"), 60.0))
+                await moving(task)
+                with self.assertRaises(TimeoutError):
+                    async with asyncio.timeout(0):
+                        await task
+                self.assertEqual((await board.status()).state, "Idle")
+                there = await board.move(start)
+                self.assertAlmostEqual(there[0], start[0], places=6)
+                # What is to stop a machine is sent all the same.
+                await asyncio.wait_for(board.stop(), 60.0)
+
+        with Device("thesis.toml", speed=0.2) as address:
+            asyncio.run(cancel(address))
+
+    def test_ctrl_c_in_a_move_brings_the_machine_to_rest(self) -> None:
+        with Device("thesis.toml", speed=0.2) as address, Board.connect(address) as board:
+            board.enable()
+
+            moving = threading.Event()
+            exchange = board._own
+            listen = exchange.listen
+
+            def interrupted(seconds: float) -> None:
+                listen(seconds)
+                if not moving.is_set() and exchange.ask(Command.Status()).state.name == "Running":
+                    moving.set()
+                    raise KeyboardInterrupt
+
+            exchange.listen = interrupted  # type: ignore[method-assign]
+            with self.assertRaises(KeyboardInterrupt):
+                board.move((0.3, 0.3, 0.2))
+            status = board.status()
+            self.assertEqual((status.state, status.moves), ("Idle", 0))
+            assert status.end is not None
+            self.assertGreater(math.dist(status.end, (0.3, 0.3, 0.2)), 1e-3)
+
+    def test_a_request_that_an_exception_cut_off_is_asked_again_before_the_next(self) -> None:
+        with Device("thesis.toml") as address, Board.connect(address) as board:
+            exchange = board._own
+            take, cut = exchange._take, []
+
+            def failing(timeout: float, request: object) -> object:
+                if not cut and request is not None:
+                    cut.append(request)
+                    raise KeyboardInterrupt
+                return take(timeout, request)
+
+            exchange._take = failing  # type: ignore[method-assign,assignment]
+            with self.assertRaises(KeyboardInterrupt):
+                board.enable()
+            self.assertEqual(len(cut), 1)
+            self.assertEqual(board.enable().state, "Idle")
+
+    def test_a_run_that_was_stopped_says_so(self) -> None:
+        with Device("thesis.toml", speed=0.3) as address, Board.connect(address) as board:
+            board.enable()
+
+            def stop() -> None:
+                while board.status().state != "Running":
+                    time.sleep(0.01)
+                with self.assertRaisesRegex(BoardError, "a job is under way"):
+                    board.move((0.25, 0.24, 0.1))
+                board.stop()
+
+            thread = threading.Thread(target=stop)
+            thread.start()
+            with self.assertRaisesRegex(JobFailed, r"the job was left in move 1 of 1 \(.*stop"):
+                board.run(SCENES / "thesis.toml")
+            thread.join(timeout=30)
+            self.assertEqual(board.status().state, "Idle")
+            board.run(SCENES / "thesis.toml")
+
+    def test_a_board_is_there_again_after_its_restart(self) -> None:
+        with Device("thesis.toml") as address:
+            board = Board.connect(address)
+            self.assertEqual(board.enable().state, "Idle")
+        with self.assertRaises(PortError):
+            board.status()
+        with Device("thesis.toml", address=address), board:
+            self.assertEqual(board.status().state, "Disabled")
+            self.assertEqual(board.enable().state, "Idle")
+        with self.assertRaises(PortError):
+            board.status()
+
+    def test_all_errors_are_of_one_class(self) -> None:
+        core = {"MotionError", "PlanError", "SceneError"}
+        named = [name for name in trirrr.__all__ if name.endswith(("Error", "Failed")) or name in ("NoMotion", "Refused", "Silent")]
+        self.assertGreater(len(named), 10)
+        for name in named:
+            error = getattr(trirrr, name)
+            self.assertTrue(issubclass(error, TrirrrError), name)
+        self.assertTrue(core <= set(named))
+        self.assertTrue(issubclass(PortError, BoardError) and issubclass(PortError, OSError))
+        with self.assertRaisesRegex(BoardError, "tcp:HOST:PORT"):
+            Board.connect("tcp:nowhere")
+
+    def test_poses_and_feeds_are_checked(self) -> None:
+        with Device("thesis.toml") as address, Board.connect(address) as board:
+            with self.assertRaisesRegex(ValueError, "a pose has three numbers"):
+                board.move((0.2, 0.2))  # type: ignore[arg-type]
+            with self.assertRaisesRegex(ValueError, "50.5 is no whole number"):
+                board.feed(50.5)  # type: ignore[arg-type]
+            with self.assertRaisesRegex(JobFailed, "scene"):
+                board.run(SCENES / "vertical.toml")
 
     def test_boards_move_at_the_same_time(self) -> None:
         async def both(addresses: list[str]) -> list[tuple[float, float, float]]:

@@ -37,7 +37,7 @@ class JobAlongAPath(unittest.TestCase):
 
     def test_what_does_not_go_together_is_refused(self):
         for path, moves, reason in [
-            (str(SCENES / "plotter.toml"), None, "--moves"),
+            (str(SCENES / "plotter.toml"), None, "`moves`"),
             (str(SCENES / "thesis.toml"), self.table, "moves of its own"),
             (self.table, self.table, "goes with a scene"),
         ]:

@@ -25,9 +25,14 @@ from typing import TYPE_CHECKING, Any
 PROTOCOL = 4
 
 if TYPE_CHECKING:
-    from .board import AsyncBoard, Board, BoardError, BoardStatus, Contact
-    from .errors import MotionError, PlanError, Problem, SceneError
+    from .board import AsyncBoard, Board, BoardStatus, Contact
+    from .errors import BoardError, Interrupted, MotionError, PlanError, Problem, SceneError, TrirrrError
+    from .exchange import Refused, Silent
+    from .goals import NoMotion
+    from .jobs import JobError
     from .machine import Machine, check
+    from .ports import PortError
+    from .stream import JobFailed
     from .table import Table
     from .update import ImageError, UpdateFailed
 
@@ -35,16 +40,24 @@ if TYPE_CHECKING:
 _HOMES = {
     "AsyncBoard": "board",
     "Board": "board",
-    "BoardError": "board",
+    "BoardError": "errors",
     "BoardStatus": "board",
     "Contact": "board",
     "ImageError": "update",
+    "Interrupted": "errors",
+    "JobError": "jobs",
+    "JobFailed": "stream",
     "Machine": "machine",
     "MotionError": "errors",
+    "NoMotion": "goals",
     "PlanError": "errors",
+    "PortError": "ports",
     "Problem": "errors",
+    "Refused": "exchange",
     "SceneError": "errors",
+    "Silent": "exchange",
     "Table": "table",
+    "TrirrrError": "errors",
     "UpdateFailed": "update",
     "check": "machine",
 }
@@ -68,12 +81,20 @@ __all__ = [
     "BoardStatus",
     "Contact",
     "ImageError",
+    "Interrupted",
+    "JobError",
+    "JobFailed",
     "Machine",
     "MotionError",
+    "NoMotion",
     "PlanError",
+    "PortError",
     "Problem",
+    "Refused",
     "SceneError",
+    "Silent",
     "Table",
+    "TrirrrError",
     "UpdateFailed",
     "check",
 ]

@@ -9,12 +9,12 @@ import sys
 from pathlib import Path
 
 from . import figures, jobs, record
-from .exchange import Refused, Silent
+from .errors import TrirrrError
 from .jobs import JobError
 from .messages import NUMBERS, Command, SectionName
-from .ports import PortError, open_port
+from .ports import open_port
 from .record import Recorder
-from .stream import JobFailed, Stream
+from .stream import Stream
 
 
 def arguments() -> argparse.ArgumentParser:
@@ -84,8 +84,11 @@ def main() -> int:
     )
     try:
         stream.run()
-    except (JobError, JobFailed, Silent, Refused, PortError) as error:
+    except TrirrrError as error:
         print(f"trirrr: {options.port}: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print(f"trirrr: {options.port}: stopped by the user: the machine stands on its path", file=sys.stderr)
         return 1
     finally:
         if stream.survey and recorder.samples:

@@ -11,15 +11,18 @@ thread meanwhile. ``AsyncBoard`` has the same calls for ``asyncio``.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import math
 import os
+import threading
 import time
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, TypeVar
 
 from . import jobs, record, words
-from .exchange import Exchange, Refused
+from .errors import BoardError, Interrupted
+from .exchange import CALL, Exchange, Refused
 from .goals import LOOK_S, Mover, NoMotion, Triple
 from .messages import NUMBERS, Command, Move, Pose, SceneHeader, Section, SectionName
 from .ports import Port, PortError, open_port
@@ -28,6 +31,10 @@ from .progress import Progress, hearing
 from .record import Recorder
 from .stream import ON_THE_WAY, Stream
 from .update import Program, SceneValues, bring
+
+T = TypeVar("T")
+
+_UNDER_WAY = "a job is under way: wait for its end, or stop() it"
 
 #: A machine is at a pose if it is as near as this, m and rad: its number type may round.
 _NEAR = 1e-3
@@ -80,12 +87,12 @@ class Contact:
     tick: int
 
 
-class BoardError(Exception):
-    """The machine did not do what it was asked to, and why."""
-
-
 class Board:
-    """A machine on an open line."""
+    """A machine on an open line.
+
+    Ctrl-C in a call that moves the machine brings it to rest on its path before ``KeyboardInterrupt`` goes on. A line that breaks
+    ends the call with ``PortError``; the next call opens it anew. Everything that goes wrong is a ``BoardError``.
+    """
 
     def __init__(
         self,
@@ -101,6 +108,7 @@ class Board:
         self._numbers = None if number is None else NUMBERS[number]
         self._answer_s = answer_s
         self._port: Port | None = None
+        self._is_closed = False
         self._job: Stream | None = None
         self._greet()
 
@@ -129,6 +137,10 @@ class Board:
 
     def close(self) -> None:
         """Gives the line back. The machine comes to rest by itself if it waits for its host."""
+        self._is_closed = True
+        self._drop()
+
+    def _drop(self) -> None:
         if self._port is not None:
             self._port.close()
             self._port = None
@@ -230,11 +242,12 @@ class Board:
 
     def home(self) -> Triple:
         """Homes a machine that does not know where its motors are; another one stays where it is. Returns where it stands."""
-        self.enable()
-        if self.status().state == "Unhomed":
-            self._ask(Command.Home())
-        while (status := self.status()).state in ON_THE_WAY:
-            self._exchange.listen(LOOK_S)
+        with self._moving():
+            self.enable()
+            if self.status().state == "Unhomed":
+                self._ask(Command.Home())
+            while (status := self.status()).state in ON_THE_WAY:
+                self._exchange.listen(LOOK_S)
         if status.fault is not None:
             raise BoardError(status.fault)
         if status.end is None:
@@ -243,7 +256,8 @@ class Board:
 
     def move(self, pose: Triple) -> Triple:
         """Goes to ``pose`` on a way that the machine plans, and returns where it stands. ``NoMotion`` says why it does not."""
-        end = self._mover.move_to(pose)
+        with self._moving() as mover:
+            end = mover.move_to(pose)
         # A goal that was refused twice in the same way looks like one that was not refused again.
         if math.dist(end, pose) > _NEAR:
             raise NoMotion(f"no motion to the goal: the machine stands at {end}")
@@ -254,6 +268,10 @@ class Board:
 
         Returns where that was, ``None`` if the way ended without. ``BoardError`` and ``Refused`` say why there was no way.
         """
+        with self._moving():
+            return self._probe(to, seconds, away)
+
+    def _probe(self, to: Triple, seconds: float, away: bool) -> Contact | None:
         identity = self._exchange.identity
         # A stop passes by itself.
         while (status := self._ask(Command.Status())).state.name == "Stopping":
@@ -305,15 +323,18 @@ class Board:
 
     def step(self, by: Triple) -> Triple:
         """Goes so far from where it stands."""
-        return self._mover.step(by)
+        with self._moving() as mover:
+            return mover.step(by)
 
     def jog(self, velocity: Triple, seconds: float) -> Triple:
         """Moves at ``velocity`` for so many seconds, then comes to rest."""
-        return self._mover.jog(velocity, seconds)
+        with self._moving() as mover:
+            return mover.jog(velocity, seconds)
 
     def follow(self, poses: Iterable[Triple], every_s: float) -> Triple:
         """Goes to each of ``poses`` in turn, a new one every so many seconds."""
-        return self._mover.follow(poses, every_s)
+        with self._moving() as mover:
+            return mover.follow(poses, every_s)
 
     def hold(self) -> None:
         """Slows down to rest on the path; ``resume`` goes on."""
@@ -328,8 +349,10 @@ class Board:
         self._ask(Command.Stop())
 
     def feed(self, percent: int) -> None:
-        """Sets the feed override, 1 to 100 percent of normal speed."""
-        self._ask(Command.FeedOverride(percent=percent))
+        """Sets the feed override, 1 to 100 percent of normal speed, in whole percent."""
+        if percent != int(percent):
+            raise ValueError(f"feed: {percent} is no whole number of percent")
+        self._ask(Command.FeedOverride(percent=int(percent)))
 
     def run(
         self,
@@ -343,9 +366,14 @@ class Board:
 
         ``moves``: the moves.csv of a job along a path. ``recover_s``: bring the machine to the start of the job first, within so many
         seconds, and acknowledge a latched fault. ``progress`` hears the moves done, their number, and the state;
-        ``True`` shows a bar of tqdm. ``JobError`` and ``JobFailed`` say why the job was not played.
+        ``True`` shows a bar of tqdm. ``JobError`` and ``JobFailed`` say why the job was not played, or not to its end: also after a
+        ``stop`` from another thread. A machine that stands elsewhere goes to the start of the job by a way that it plans.
         """
+        if self._job is not None:
+            raise BoardError(_UNDER_WAY)
         read = jobs.read(os.fspath(job), None if moves is None else os.fspath(moves))
+        # The board's own: a scene whose number type is another is another scene, and is told as that.
+        read = replace(read, number=None)
         recorder = Recorder()
         with hearing(progress) as hear:
             stream = self._job = Stream(
@@ -358,7 +386,7 @@ class Board:
                 survey=[Command.Read(SectionName.Leg(leg)) for leg in range(3)],
             )
             try:
-                self.close()
+                self._drop()
                 stream.run()
                 legs = [section.content.leg for section in stream.survey]
                 rows = recorder.rows(stream.exchange.identity, legs, stream.exchange.numbers)
@@ -410,16 +438,14 @@ class Board:
 
     def _bring(self, content: Program | SceneValues, progress: Progress | bool | None) -> None:
         def reopen() -> Exchange:
-            self.close()
+            self._drop()
             # A new program may compute with other numbers.
             self._numbers = None
             self._greet()
             return self._own
 
-        if self._port is None:
-            self._greet()
         with hearing(progress, "B") as hear:
-            bring(content, self._own, reopen, hear)
+            bring(content, self._exchange, reopen, hear)
 
     def _greet(self) -> None:
         port = self._port = self._open()
@@ -428,10 +454,9 @@ class Board:
             port.send(b"\0")  # ends whatever the line held
             self._own.hello()
         except BaseException:
-            self.close()
+            self._drop()
             raise
         self._numbers = self._own.numbers
-        self._mover = Mover(self._own)
 
     @property
     def _exchange(self) -> Exchange:
@@ -442,7 +467,26 @@ class Board:
                 return exchange
             # Between two conversations.
             time.sleep(LOOK_S)
+        if self._port is None:
+            if self._is_closed:
+                raise PortError("the board was closed: connect anew")
+            self._greet()
         return self._own
+
+    @contextlib.contextmanager
+    def _moving(self) -> Iterator[Mover]:
+        """Moves the machine. Where the call ends before the machine is there, the machine comes to rest on its path."""
+        if self._job is not None:
+            raise BoardError(_UNDER_WAY)
+        exchange = self._exchange
+        try:
+            yield Mover(exchange)
+        except (KeyboardInterrupt, Interrupted):
+            exchange.come_to_rest()
+            raise
+        except PortError:
+            self._drop()
+            raise
 
     def _ask(self, command: Value) -> Any:
         """Asks until the tick of the machine has taken the commands before."""
@@ -457,12 +501,17 @@ class Board:
             except PortError:
                 # A job that begins or ends in another thread has taken the line.
                 if exchange is self._own and self._job is None:
+                    self._drop()
                     raise
                 time.sleep(LOOK_S)
 
 
 class AsyncBoard:
-    """A ``Board`` for ``asyncio``: each call runs in a thread, so that several machines move at once, and a hold gets through."""
+    """A ``Board`` for ``asyncio``: each call runs in a thread, so that several machines move at once, and a hold gets through.
+
+    A task that is cancelled, and so one whose time is out (``asyncio.timeout``, ``asyncio.wait_for``), brings the machine to rest on its
+    path first. The board can be used after it.
+    """
 
     def __init__(self, board: Board) -> None:
         self.board = board
@@ -487,63 +536,130 @@ class AsyncBoard:
 
     async def status(self) -> BoardStatus:
         """As ``Board.status``."""
-        return await asyncio.to_thread(self.board.status)
+        return await _call(self.board.status)
 
     async def enable(self) -> BoardStatus:
         """As ``Board.enable``."""
-        return await asyncio.to_thread(self.board.enable)
+        return await _call(self.board.enable)
+
+    async def disable(self) -> None:
+        """As ``Board.disable``. It is sent also where the task is cancelled."""
+        await _uncut(self.board.disable)
+
+    async def clear_fault(self) -> None:
+        """As ``Board.clear_fault``."""
+        await _call(self.board.clear_fault)
 
     async def mount(self, carried: Carried) -> Triple:
         """As ``Board.mount``."""
-        return await asyncio.to_thread(self.board.mount, carried)
+        return await _call(lambda: self.board.mount(carried))
 
     async def home(self) -> Triple:
         """As ``Board.home``."""
-        return await asyncio.to_thread(self.board.home)
+        return await _call(self.board.home)
 
     async def move(self, pose: Triple) -> Triple:
         """As ``Board.move``."""
-        return await asyncio.to_thread(self.board.move, pose)
+        return await _call(lambda: self.board.move(pose))
+
+    async def step(self, by: Triple) -> Triple:
+        """As ``Board.step``."""
+        return await _call(lambda: self.board.step(by))
+
+    async def jog(self, velocity: Triple, seconds: float) -> Triple:
+        """As ``Board.jog``."""
+        return await _call(lambda: self.board.jog(velocity, seconds))
+
+    async def follow(self, poses: Iterable[Triple], every_s: float) -> Triple:
+        """As ``Board.follow``."""
+        return await _call(lambda: self.board.follow(poses, every_s))
 
     async def probe(self, to: Triple, seconds: float, *, away: bool = False) -> Contact | None:
         """As ``Board.probe``."""
-        return await asyncio.to_thread(self.board.probe, to, seconds, away=away)
+        return await _call(lambda: self.board.probe(to, seconds, away=away))
 
     async def output(self, output: str | int, on: bool) -> None:
         """As ``Board.output``."""
-        await asyncio.to_thread(self.board.output, output, on)
+        await _call(lambda: self.board.output(output, on))
+
+    async def feed(self, percent: int) -> None:
+        """As ``Board.feed``."""
+        await _call(lambda: self.board.feed(percent))
 
     async def run(
-        self, job: str | os.PathLike[str], *, recover_s: float | None = None, progress: Progress | bool | None = None
+        self,
+        job: str | os.PathLike[str],
+        *,
+        moves: str | os.PathLike[str] | None = None,
+        recover_s: float | None = None,
+        progress: Progress | bool | None = None,
     ) -> dict[str, list[float]]:
         """As ``Board.run``."""
-        return await asyncio.to_thread(self.board.run, job, recover_s=recover_s, progress=progress)
+        return await _call(lambda: self.board.run(job, moves=moves, recover_s=recover_s, progress=progress))
 
     async def update(self, image: str | os.PathLike[str], *, progress: Progress | bool | None = None) -> str:
         """As ``Board.update``."""
-        return await asyncio.to_thread(self.board.update, image, progress=progress)
+        return await _call(lambda: self.board.update(image, progress=progress))
 
     async def install(
         self, scene: str | os.PathLike[str], settings: Iterable[str] = (), *, progress: Progress | bool | None = None
     ) -> str:
         """As ``Board.install``."""
-        return await asyncio.to_thread(self.board.install, scene, settings, progress=progress)
+        return await _call(lambda: self.board.install(scene, settings, progress=progress))
 
     async def hold(self) -> None:
-        """As ``Board.hold``."""
-        await asyncio.to_thread(self.board.hold)
+        """As ``Board.hold``. It is sent also where the task is cancelled."""
+        await _uncut(self.board.hold)
 
     async def resume(self) -> None:
         """As ``Board.resume``."""
-        await asyncio.to_thread(self.board.resume)
+        await _call(self.board.resume)
 
     async def stop(self) -> None:
-        """As ``Board.stop``."""
-        await asyncio.to_thread(self.board.stop)
+        """As ``Board.stop``. It is sent also where the task is cancelled."""
+        await _uncut(self.board.stop)
+
+
+async def _call(call: Callable[[], T]) -> T:
+    """Runs ``call`` in a thread. A task that is cancelled ends the call, which brings the machine to rest, and waits for that."""
+    end = threading.Event()
+    token = CALL.set(end)
+    try:
+        # The thread has a copy of the context.
+        running = asyncio.ensure_future(asyncio.to_thread(call))
+    finally:
+        CALL.reset(token)
+    try:
+        return await asyncio.shield(running)
+    except asyncio.CancelledError:
+        end.set()
+        await _ended(running)
+        raise
+
+
+async def _uncut(call: Callable[[], T]) -> T:
+    """Runs ``call`` in a thread to its end, also where the task is cancelled."""
+    running = asyncio.ensure_future(asyncio.to_thread(call))
+    try:
+        return await asyncio.shield(running)
+    except asyncio.CancelledError:
+        await _ended(running)
+        raise
+
+
+async def _ended(running: asyncio.Future[Any]) -> None:
+    """Waits for the thread, however often the task is cancelled meanwhile. What it raises, but for the end that was asked for, stands
+    behind the cancellation: the machine may not have heard."""
+    while not running.done():
+        with contextlib.suppress(asyncio.CancelledError):
+            await asyncio.wait({running})
+    error = running.exception()
+    if error is not None and not isinstance(error, Interrupted):
+        raise asyncio.CancelledError(str(error)) from error
 
 
 def _ignore(message: Value) -> None:
     """Telemetry and events of a machine that nobody records."""
 
 
-__all__ = ["AsyncBoard", "Board", "BoardError", "BoardStatus", "Contact", "NoMotion"]
+__all__ = ["AsyncBoard", "Board", "BoardError", "BoardStatus", "Contact", "Interrupted", "NoMotion"]

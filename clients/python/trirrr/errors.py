@@ -1,4 +1,4 @@
-"""Exceptions of scenes, arrays and plans. Each says in a sentence what is wrong."""
+"""Exceptions of the package. Each says in a sentence what is wrong, and each is a ``TrirrrError``."""
 
 from __future__ import annotations
 
@@ -22,7 +22,19 @@ class Problem:
     reason: str
 
 
-class SceneError(ValueError):
+class TrirrrError(Exception):
+    """Something is wrong, or was not done. All exceptions of the package are of this class."""
+
+
+class BoardError(TrirrrError):
+    """The machine did not do what it was asked to, or is out of reach, and why."""
+
+
+class Interrupted(BoardError):
+    """The call was ended before the machine was there: the machine came to rest on its path."""
+
+
+class SceneError(TrirrrError, ValueError):
     """A scene that cannot be used. The text has a line for each problem, as ``trirrr check`` prints it."""
 
     def __init__(
@@ -33,7 +45,7 @@ class SceneError(ValueError):
         self.problems = [Problem(*fields) for fields in problems]
 
 
-class MotionError(ValueError):
+class MotionError(TrirrrError, ValueError):
     """States without a motion: out of reach, or singular."""
 
     def __init__(self, text: str, rows: Sequence[tuple[int, str]] = ()) -> None:
@@ -42,8 +54,8 @@ class MotionError(ValueError):
         self.rows = list(rows)
 
 
-class PlanError(ValueError):
+class PlanError(TrirrrError, ValueError):
     """A path without a plan."""
 
 
-__all__ = ["MotionError", "PlanError", "Problem", "SceneError"]
+__all__ = ["BoardError", "Interrupted", "MotionError", "PlanError", "Problem", "SceneError", "TrirrrError"]

@@ -11,23 +11,32 @@ import random
 import threading
 import time
 from collections.abc import Callable
+from contextlib import suppress
+from contextvars import ContextVar
 from typing import Any
 
 from . import PROTOCOL, words
+from .errors import BoardError, Interrupted
 from .messages import NUMBERS, Command, Goal, Hello, Listener, Pose, Request, encode, schema_key
 from .ports import Port, PortError
 from .postcard import Numbers, Value
 
 
+#: The call under way. Once it is set, the call ends with ``Interrupted`` before its next request.
+CALL: ContextVar[threading.Event | None] = ContextVar("trirrr_call", default=None)
+
+#: States that end by a stop.
+_MOVING = ("Running", "Slowing", "Holding", "Homing", "Recovering", "Stopping", "Reacting")
+
 #: A thread listens for so many seconds before another one may ask.
 _TURN_S = 0.02
 
 
-class Silent(Exception):
+class Silent(BoardError):
     """The machine did not answer, however often it was asked."""
 
 
-class Refused(Exception):
+class Refused(BoardError):
     """The machine does not do what it was asked to."""
 
     def __init__(self, command: Value, refusal: Value) -> None:
@@ -76,6 +85,8 @@ class Exchange:
         self._numbers = numbers
         self._listener: Listener | None = None
         self._turns = Turns()
+        # A request whose answer an exception has cut off.
+        self._unanswered: Any = None
         self.repeated = 0
         self.identity: Any = None
 
@@ -98,6 +109,7 @@ class Exchange:
         """
         for numbers in [self._numbers] if self._numbers else list(NUMBERS.values()):
             self._listener = Listener(numbers)
+            self._unanswered = None
             command = Command.Hello(Hello(PROTOCOL, schema_key(numbers), scene))
             self._hello = (self._hello + 1) % (1 << 32)
             try:
@@ -115,17 +127,43 @@ class Exchange:
         raise last
 
     def ask(self, command: Value) -> Any:
-        """The content of the answer to ``command``. ``Refused`` and ``Silent`` say why there is none."""
+        """The content of the answer to ``command``. ``Refused`` and ``Silent`` say why there is none, ``Interrupted`` that the call
+        was ended before."""
+        _raise_if_ended()
         with self._turns:
-            request = Request(self._sequence, command)
+            if self._unanswered is not None:
+                # The machine may have executed it: its number is not another request's.
+                with suppress(Refused):
+                    self._settle(self._unanswered)
+            return self._settle(Request(self._sequence, command)).content
+
+    def _settle(self, request: Any) -> Value:
+        """The answer to ``request``. Answered or refused, its number is used up."""
+        self._unanswered = request
+        try:
+            reply: Value | Refused = self._converse(request, self.numbers)
+        except Refused as refused:
+            reply = refused
+        self._unanswered = None
+        if isinstance(reply, Refused):
+            if reply.refusal.name not in ("HelloFirst", "Sequence", "SequenceReused"):
+                self._sequence = (request.sequence + 1) % (1 << 32)
+            raise reply
+        self._sequence = (request.sequence + 1) % (1 << 32)
+        return reply
+
+    def come_to_rest(self) -> None:
+        """Stops the machine on its path, and waits until it stands."""
+        while True:
             try:
-                reply = self._converse(request, self.numbers)
+                self.ask(Command.Stop())
+                break
             except Refused as refused:
-                if refused.refusal.name not in ("HelloFirst", "Sequence", "SequenceReused"):
-                    self._sequence = (self._sequence + 1) % (1 << 32)
-                raise
-            self._sequence = (self._sequence + 1) % (1 << 32)
-            return reply.content
+                if refused.refusal.name != "Busy":
+                    raise
+                self.listen(_TURN_S)
+        while self.ask(Command.Status()).state.name in _MOVING:
+            self.listen(_TURN_S)
 
     def retarget(
         self,
@@ -165,9 +203,10 @@ class Exchange:
         return status
 
     def listen(self, seconds: float) -> None:
-        """Takes what comes in the next ``seconds``."""
+        """Takes what comes in the next ``seconds``. ``Interrupted`` ends it."""
         until = time.monotonic() + seconds
         while (left := until - time.monotonic()) > 0:
+            _raise_if_ended()
             with self._turns:
                 self._take(min(left, _TURN_S), None)
 
@@ -198,6 +237,14 @@ class Exchange:
         return found
 
 
+def _raise_if_ended() -> None:
+    """``Interrupted`` where the call under way is to end. What it does to bring the machine to rest goes on."""
+    call = CALL.get()
+    if call is not None and call.is_set():
+        call.clear()
+        raise Interrupted("the call was ended: the machine comes to rest on its path")
+
+
 def _answers(request: Any, content: Any) -> bool:
     """Whether the reply belongs to the request: by its number, and by its kind, for a number can
     come again in another conversation."""
@@ -208,4 +255,4 @@ def _answers(request: Any, content: Any) -> bool:
     return content.reply.name in ("Refused", expected)
 
 
-__all__ = ["Exchange", "PortError", "Refused", "Silent"]
+__all__ = ["CALL", "Exchange", "PortError", "Refused", "Silent"]

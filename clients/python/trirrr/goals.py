@@ -10,8 +10,9 @@ from collections.abc import Iterable
 from typing import Any
 
 from . import words
+from .errors import BoardError
 from .exchange import Exchange, Refused
-from .messages import Command
+from .messages import Command, Goal, Pose
 
 #: x and y in m, alpha in rad; or their derivatives by time.
 Triple = tuple[float, float, float]
@@ -23,7 +24,7 @@ NOT_YET = ("Busy", "Retargeting", "QueueFull", "Undecided", "NothingQueued", "En
 LOOK_S = 0.01
 
 
-class NoMotion(Exception):
+class NoMotion(BoardError):
     """The machine has no motion to the goal, or has stopped on its way."""
 
 
@@ -33,6 +34,8 @@ class Mover:
     def __init__(self, exchange: Exchange) -> None:
         self.exchange = exchange
         self._refused: Any = None
+        # Reason of an earlier stop, and the moves until then: no stop of what is begun here.
+        self._before: Any = None
 
     def status(self) -> Any:
         """The status, in the machine's units."""
@@ -51,13 +54,26 @@ class Mover:
 
     def aim(self, pose: Triple, velocity: Triple = (0.0, 0.0, 0.0), seconds: float = 0.0) -> None:
         """Begins to go to ``pose``, to be there with ``velocity``, in ``seconds`` or as soon as it can."""
-        self._refused = self.exchange.enable(LOOK_S).refused
+        for name, given in (("pose", pose), ("velocity", velocity)):
+            if len(given) != 3:
+                raise ValueError(f"a {name} has three numbers, of x, y and alpha: {tuple(given)} has {len(given)}")
+        status = self.exchange.enable(LOOK_S)
+        self._begin(status)
+        self._refused = status.refused
         self._until_taken(lambda: self.exchange.retarget(pose, velocity, True, seconds))
 
     def move_to(self, pose: Triple) -> Triple:
         """Goes to ``pose``, and returns where the machine stands. ``NoMotion`` says why it does not."""
         self.aim(pose)
         return self.wait()
+
+    def go_exactly(self, pose: Pose) -> None:
+        """Goes to ``pose``, in the machine's own numbers, from where it is idle. ``NoMotion`` and ``Refused`` say why it does not."""
+        status = self.status()
+        self._begin(status)
+        self._refused = status.refused
+        self._until_taken(lambda: self.exchange.ask(Command.Retarget(Goal(pose, (0.0, 0.0, 0.0), False, 0))))
+        self.wait()
 
     def step(self, by: Triple) -> Triple:
         """Goes so far from the end of what is planned."""
@@ -78,12 +94,12 @@ class Mover:
             t = now + ahead / 2
             x, y, alpha = (place + rate * t for place, rate in zip(start, velocity))
             self.aim((x, y, alpha), velocity, ahead)
-            self._play(self.status())
+            status = self.status()
+            self._raise_stopped(status)
+            self._play(status)
             self.exchange.listen(every)
-        self.exchange.ask(Command.Stop())
-        while self._moves(status := self.status()):
-            self._raise_fault(status)
-            self.exchange.listen(LOOK_S)
+        self.exchange.come_to_rest()
+        self._raise_fault(self.status())
         return self.end()
 
     def follow(self, poses: Iterable[Triple], every: float) -> Triple:
@@ -92,7 +108,9 @@ class Mover:
             self.aim(pose)
             until = time.monotonic() + every
             while (left := until - time.monotonic()) > 0:
-                self._play(self.status())
+                status = self.status()
+                self._raise_stopped(status)
+                self._play(status)
                 self.exchange.listen(min(left, LOOK_S))
         return self.wait()
 
@@ -104,8 +122,7 @@ class Mover:
             if status.refused is not None and status.refused != self._refused:
                 why = words.violation(status.refused.violation, 0, self.exchange.identity)
                 raise NoMotion(f"no motion to the goal: {why}")
-            if status.acting.name in ("Stop", "Silence") and not self._moves(status):
-                raise NoMotion(f"the machine has stopped: {status.acting}")
+            self._raise_stopped(status)
             if not self._moves(status) and status.next == status.done:
                 return self.end()
             self._play(status)
@@ -113,6 +130,17 @@ class Mover:
 
     def _moves(self, status: Any) -> bool:
         return status.planning or status.state.name in ("Running", "Slowing", "Stopping", "Holding")
+
+    def _begin(self, status: Any) -> None:
+        """Notes a stop that was before, once: the next start takes it out of the status."""
+        if self._before is None:
+            self._before = _mark(status)
+
+    def _raise_stopped(self, status: Any) -> None:
+        """``NoMotion`` where somebody has stopped the machine since the first goal."""
+        stopped = status.acting.name in ("Stop", "Silence") and not self._moves(status) and status.next == status.done
+        if stopped and _mark(status) != self._before:
+            raise NoMotion(f"the machine has stopped: {status.acting}")
 
     def _raise_fault(self, status: Any) -> None:
         if status.fault is not None:
@@ -136,6 +164,10 @@ class Mover:
                 if refused.refusal.name not in NOT_YET:
                     raise
                 self.exchange.listen(LOOK_S)
+
+
+def _mark(status: Any) -> tuple[str, int, int]:
+    return status.acting.name, status.next, status.done
 
 
 __all__ = ["Mover", "NoMotion"]

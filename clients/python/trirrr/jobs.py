@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from .errors import TrirrrError
 from .messages import Command, JobLabel, Move, OutputSwitch, Pose, QuinticMove
 from .postcard import U32, Numbers, dumps
 
@@ -25,7 +26,7 @@ _REST: Vector = (0.0, 0.0, 0.0)
 _ROUNDING = 1e-9
 
 
-class JobError(ValueError):
+class JobError(TrirrrError, ValueError):
     """The file is no job; file, place and reason."""
 
 
@@ -177,7 +178,7 @@ def read(path: str, moves: str | None = None) -> Job:
     if not path.endswith(".csv"):
         return _from_scene(path, data, moves)
     if moves is not None:
-        raise JobError(f"{path}: a table of moves itself: --moves goes with a scene")
+        raise JobError(f"{path}: a table of moves itself: `moves` goes with a scene")
     return _from_table(path, data)
 
 
@@ -224,9 +225,9 @@ def _from_scene(path: str, data: bytes, moves: str | None) -> Job:
         start = _pose(job["start"])
         is_path = job.get("timing") == "shortest"
         if is_path and moves is None:
-            raise JobError(f"{path}: a job along a path: give the moves.csv that `trirrr plan` writes with --moves")
+            raise JobError(f"{path}: a job along a path: give the moves.csv that `trirrr plan` writes as `moves`")
         if moves is not None and not is_path:
-            raise JobError(f"{path}: the job has moves of its own: --moves goes with a job along a path")
+            raise JobError(f"{path}: the job has moves of its own: `moves` goes with a job along a path")
         if is_path and any("outputs" in each for each in job.get("path", [])):
             raise JobError(f"{path}: outputs change along its path, and a table of moves has none: `trirrr stream` plays it")
         outputs = [str(each["name"]) for each in scene.get("io", {}).get("outputs", [])]

@@ -5,8 +5,10 @@ from __future__ import annotations
 import socket
 from typing import Protocol
 
+from .errors import BoardError
 
-class PortError(OSError):
+
+class PortError(BoardError, OSError):
     """The port cannot be opened, or is gone."""
 
 

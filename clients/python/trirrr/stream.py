@@ -8,7 +8,9 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from . import words
+from .errors import BoardError, Interrupted
 from .exchange import Exchange, Refused, Silent
+from .goals import Mover, NoMotion
 from .jobs import Job, common, offer, switch
 from .messages import ALL_FIELDS, NUMBERS, Command, Recovery, SectionName
 from .ports import Port, PortError
@@ -44,7 +46,7 @@ def _is_on_the_way(status: Any) -> bool:
     return status.state.name in ON_THE_WAY
 
 
-class JobFailed(Exception):
+class JobFailed(BoardError):
     """The job was not played to its end, and why."""
 
 
@@ -150,9 +152,9 @@ class Stream:
                     self._feed = None
                 if not self._push():
                     exchange.listen(pause)
-        except KeyboardInterrupt:
-            self._command(Command.Stop())
-            raise JobFailed("stopped by the user") from None
+        except (KeyboardInterrupt, Interrupted):
+            exchange.come_to_rest()
+            raise
 
     def _require_tool(self) -> None:
         """``JobFailed`` where the machine carries another tool than the job is for. One that plays it already was begun with that tool."""
@@ -197,8 +199,8 @@ class Stream:
         self._wait_for_idle("homing", pause)
 
     def approach(self, pause: float) -> None:
-        """Moves a machine that stands beside the start of the job to it: one that was measured stands nowhere exactly.
-        From farther away it is left where it is."""
+        """Moves a machine that stands elsewhere to the start of the job: its motors where it stands beside it, as one that was measured
+        does, and along a way that the machine plans from farther away. ``JobFailed`` says why there is none."""
         status = self.exchange.ask(Command.Status())
         identity, start = self.exchange.identity, common(self._moves[0]).from_
         stands = status.end.pose if status.end is not None else start
@@ -209,6 +211,11 @@ class Stream:
             ticks = math.ceil(_WAY_S * identity.tick_rate_hz)
             self._insist(Command.Recover(Recovery(to=start, ticks=ticks)), pause)
             self._wait_for_idle("the way to the start", pause)
+            return
+        try:
+            Mover(self.exchange).go_exactly(start)
+        except (NoMotion, Refused) as why:
+            raise JobFailed(f"the machine does not stand where the job starts, and has no way there: {why}") from None
 
     def _insist(self, command: Value, pause: float) -> None:
         """Asks until it is done."""
@@ -313,4 +320,9 @@ class Stream:
         self._offered = taken  # more only where the answer to a move was lost with the line
         if before is None or before.done != status.done or before.state != status.state:
             self._progress(done, len(self._moves), state)
-        return bool(done == len(self._moves) and state == "Idle")
+        if done != len(self._moves) or state != "Idle":
+            return False
+        left = status.interrupted
+        if left is not None and (index := (left.number - self._base) % _MODULUS) < len(self._moves):
+            raise JobFailed(f"the job was left in move {index + 1} of {len(self._moves)} ({status.acting}): another client or thread stopped it")
+        return True

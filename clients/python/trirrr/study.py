@@ -22,11 +22,13 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Any
 
+from .errors import TrirrrError
+
 #: Program, place of the scene, texts of the files by place, arguments.
 Task = tuple[str, str, dict[str, str], list[str]]
 
 
-class StudyRefused(Exception):
+class StudyRefused(TrirrrError):
     """The program refuses the study, with its reason."""
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from . import words
+from .errors import BoardError, TrirrrError
 from .exchange import Exchange, Refused, Silent
 from .messages import Command, Firmware, ImageBlock, ImageHeader, UpdateStep
 from .ports import PortError
@@ -48,11 +49,11 @@ _KEYS = (
 Heard = Callable[[int, int, str], None]
 
 
-class ImageError(ValueError):
+class ImageError(TrirrrError, ValueError):
     """The file is no image that a board takes over its line."""
 
 
-class UpdateFailed(Exception):
+class UpdateFailed(BoardError):
     """The new program, or the new scene, does not run, and why."""
 
 

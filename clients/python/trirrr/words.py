@@ -75,8 +75,7 @@ _REFUSED = {
     "MoveNumber": "the machine expects move number {expected}: has it two clients?",
     "NotFinite": "a value is infinite or not a number",
     "Duration": "its duration is not 1 to {longest} ticks",
-    "StartPose": "it does not start where the last one ends, or where the machine stands; --recover brings the machine "
-    "to the start of the job",
+    "StartPose": "it does not start where the last one ends, or where the machine stands",
     "StartVelocity": "it does not start as fast as the last one ends",
     "StartAcceleration": "it does not start with the acceleration that the last one ends with",
     "Tool": "the tool's power is not from 0 to 1, or its speed negative",
