@@ -256,6 +256,15 @@ async function bySerial() {
     await tab.evaluate(() => globalThis.pull_());
     await state(tab, "the line is lost: The device has been lost.");
     await tab.waitForFunction(() => globalThis.closed_ === true);
+    // In view, in red, until the user has seen it.
+    assert.equal(await text(tab, "#halt-state"), "the line is lost: The device has been lost.");
+    assert.ok(await tab.$eval("#halt-state", (chip) => chip.classList.contains("bad")));
+    assert.ok(await tab.isVisible("#lost-seen"));
+    assert.equal(await tab.isVisible("#halt"), false);
+    assert.ok(await tab.$eval("#drawing", (drawing) => drawing.classList.contains("lost")));
+    await tab.click("#lost-seen");
+    assert.equal(await tab.isVisible("#halt-bar"), false);
+    assert.equal(await tab.$eval("#drawing", (drawing) => drawing.classList.contains("lost")), false);
     await tab.click("#connect-serial");
     await state(tab, "idle");
     await tab.click("#disconnect");

@@ -208,6 +208,36 @@ async function share(tab) {
     console.log(`link of ${link.length} characters opens the same scene`);
 }
 
+/** What the user has written survives another scene, a reload, and a slip of the hand; files are read as the command reads them. */
+async function keeps() {
+    const tab = await open(address);
+    await choose(tab, "thesis");
+    const scene = await tab.inputValue("#text");
+    const edited = scene.replace(/^description = .*$/m, 'description = "mine"');
+    assert.notEqual(edited, scene);
+    await tab.fill("#text", edited);
+    await checked(tab);
+    await choose(tab, "chained");
+    await choose(tab, "thesis");
+    assert.equal(await tab.inputValue("#text"), edited, "after another scene");
+    await tab.reload();
+    await tab.waitForSelector("html[data-ready]");
+    await checked(tab);
+    assert.equal(await tab.inputValue("#text"), edited, "after a reload");
+    await tab.click("#reset");
+    assert.equal(await tab.inputValue("#text"), scene);
+    await tab.focus("#text");
+    await tab.keyboard.press("Control+z");
+    assert.equal(await tab.inputValue("#text"), edited, "after the browser's undo");
+    const refused = async (name, bytes, words) => {
+        await tab.setInputFiles("#file", { name, mimeType: "text/plain", buffer: Buffer.from(bytes, "latin1") });
+        await tab.waitForFunction((words) => document.querySelector("#verdict").textContent === words, words);
+    };
+    await refused("latin.nc", "G21\n(caf\xe9)\n", "latin.nc: line 2: the line is no UTF-8");
+    await refused("returns.nc", "G21\r\nG0 X1\r\r\n", "returns.nc: line 2: the line has a line break in it");
+    await tab.close();
+}
+
 /** Drags the platform around for two seconds; returns frames per second and the longest frame, ms. */
 async function drag(tab) {
     const box = await (await tab.$(".platform .centre")).boundingBox();
@@ -306,6 +336,7 @@ try {
     await machines(tab);
     await choose(tab, "vertical");
     await share(tab);
+    await keeps();
     await compare(tab);
     // Every shipped scene is read, and played; from a file, as the page is shipped.
     const other = await open(pathToFileURL(file).href, "dark");

@@ -5,7 +5,9 @@ import type { Answer, JobTable, ModeRow, PlantTable, Source, Trouble } from "./a
 import { BoardPanel, placeOf } from "./board";
 import { Drawing, type Pose } from "./drawing";
 import { Editor } from "./editor";
+import { textOf } from "./files";
 import { number } from "./format";
+import { Kept } from "./kept";
 import { LivePlots } from "./live";
 import { Panel } from "./panel";
 import { decompressed } from "./lzma";
@@ -64,6 +66,7 @@ class Page {
     private isAtJob = false;
     private clock: { since: number; from: number } | undefined;
 
+    private readonly kept = new Kept();
     private readonly drawing = new Drawing(page("drawing") as unknown as SVGSVGElement, (pose) => this.drag(pose));
     private readonly panel = new Panel(page, (state) => this.takeState(state));
     private readonly plots = new Plots(page("plots"), (time) => this.goTo(time));
@@ -78,7 +81,12 @@ class Page {
     constructor(module: WebAssembly.Module) {
         this.board = new BoardPanel(page, {
             core: module,
-            scene: () => (this.job ? this.source() : "The scene is refused, or its job is being checked: a board takes a scene that is good."),
+            scene: () => {
+                if (this.job) return this.source();
+                const isChecking = this.isDraftGood && !page("verdict").classList.contains("bad");
+                return isChecking ? "The job is being checked: connect once that is done." : "The scene is refused: a board takes a scene that is good.";
+            },
+            onLost: (isLost) => page("drawing").classList.toggle("lost", isLost),
             onFollow: (isFollowing) => this.follow(isFollowing),
             onSample: (sample) => this.showSample(sample),
         });
@@ -102,8 +110,13 @@ class Page {
 
     async start(): Promise<void> {
         const shared = (await sceneOf(location.hash)) ?? (await this.given());
-        if (shared === undefined) this.load(FIRST, SCENES[FIRST] ?? "");
-        else this.load("", shared);
+        const { last, job } = this.kept;
+        if (shared !== undefined) this.load("", shared);
+        else if (last !== undefined && (last.name === "" || SCENES[last.name] === last.base)) this.load(last.name, last.base);
+        else this.load(FIRST, SCENES[FIRST] ?? "");
+        if (job === undefined || shared !== undefined) return;
+        this.program.take(job.file, job.text);
+        this.readWhole();
     }
 
     /** The scene of `trirrr ui`, which serves it beside the page, with the file of its machine. */
@@ -131,7 +144,7 @@ class Page {
             this.showRow(this.time.valueAsNumber);
         });
         this.play.addEventListener("click", () => (this.clock ? this.stop() : this.run()));
-        page("reset").addEventListener("click", () => this.load(this.loaded.name, this.loaded.text));
+        page("reset").addEventListener("click", () => this.program.replaceScene(this.loaded.text));
         const file = page("file") as HTMLInputElement;
         page("open").addEventListener("click", () => file.click());
         file.addEventListener("change", () => {
@@ -142,6 +155,7 @@ class Page {
             event.preventDefault();
             void this.open(event.dataTransfer?.files);
         });
+        addEventListener("pagehide", () => this.keep());
         page("share").addEventListener("click", () => void this.share());
         page("download").addEventListener("click", () => this.download());
         page("theme").addEventListener("click", () => {
@@ -203,16 +217,18 @@ class Page {
     /** Begins with another scene. */
     private load(name: string, text: string): void {
         if (this.isOfBoard()) return;
+        if (this.machine !== undefined || this.loaded.text !== "") this.keep();
         this.stop();
         this.loaded = { name, text };
         this.isAtJob = false;
         this.row = 0;
-        page("reset").hidden = true;
+        const edited = this.kept.edited(name, text);
+        page("reset").hidden = edited === undefined || edited === text;
         const pick = page("scenes") as HTMLSelectElement;
         pick.querySelector("option[value='']")?.remove();
         if (name === "") pick.prepend(new Option("yours", ""));
         pick.value = name;
-        this.program.scene = text;
+        this.program.scene = edited ?? text;
         this.machine?.free();
         this.machine = undefined;
         this.readDraft();
@@ -224,18 +240,28 @@ class Page {
         if (this.isOfBoard()) return;
         const opened = [...(files ?? [])];
         const scenes = opened.filter((file) => file.name.endsWith(".toml"));
-        for (const file of scenes) this.files.set(file.name, await file.text());
+        const texts = new Map<string, string>();
+        for (const file of opened.filter((each) => scenes.includes(each) || isJob(each.name))) {
+            try {
+                texts.set(file.name, await textOf(file));
+            } catch (error) {
+                this.setVerdict(error instanceof Error ? error.message : String(error), true);
+                return;
+            }
+        }
+        for (const { name } of scenes) this.files.set(name, texts.get(name) ?? "");
         // The file that a scene waits for is no scene of its own then, and of several the one that names another is the scene.
         const names = scenes.map((file) => file.name);
-        const texts = names.map((name) => this.files.get(name) ?? "");
-        const scene = texts.find((text) => names.includes(machineFile(text) ?? "")) ?? texts[0];
+        const read = names.map((name) => this.files.get(name) ?? "");
+        const scene = read.find((text) => names.includes(machineFile(text) ?? "")) ?? read[0];
         const wanted = machineFile(this.program.scene);
         if (scene !== undefined && names.length === 1 && names[0] === wanted) this.edited();
         else if (scene !== undefined) this.load("", scene);
         for (const file of opened.filter((each) => !scenes.includes(each))) {
             if (isJob(file.name)) {
-                this.program.take(file.name, await file.text());
+                this.program.take(file.name, texts.get(file.name) ?? "");
                 this.row = 0;
+                this.keep();
                 this.readWhole();
             } else this.setVerdict(`${file.name} is no scene (.toml) and no job in G-code (.gcode, .nc, .ngc) or SVG; DXF, images and tables are for \`trirrr run ${file.name} --machine SCENE.toml\``, true);
         }
@@ -249,11 +275,20 @@ class Page {
         this.ask();
     }
 
+    /** Keeps the texts over a reload. */
+    private keep(): void {
+        const { scene, job } = this.program;
+        this.kept.keep(this.loaded.name, this.loaded.text, scene, job);
+    }
+
     /** Reads all once the user pauses. */
     private ask(): void {
         if (this.isDraftGood) this.setVerdict("checking the job \u2026", false);
         clearTimeout(this.timer);
-        this.timer = setTimeout(() => this.readWhole(), PAUSE);
+        this.timer = setTimeout(() => {
+            this.keep();
+            this.readWhole();
+        }, PAUSE);
     }
 
     private get file(): string {
@@ -271,6 +306,10 @@ class Page {
                 this.program.tell("scene", [atTheTop(String(sentence))], "");
             }
         } else {
+            if (this.machine === undefined) {
+                page("name").textContent = "No machine yet";
+                page("description").textContent = "The scene is refused: what is wrong stands beside its lines.";
+            }
             this.program.tell("scene", reading.problems.map(taken), "");
             this.setVerdict(`${reading.problems.length} to correct`, true);
         }
@@ -414,10 +453,7 @@ class Page {
         if (this.board.isOpen) return;
         const text = withElbows(this.program.scene, name);
         if (text === undefined) return;
-        this.program.scene = text;
-        page("reset").hidden = text === this.loaded.text;
-        this.readDraft();
-        this.ask();
+        this.program.replaceScene(text);
     }
 
     private showRow(row: number, moves = true): void {

@@ -40,6 +40,8 @@ interface Host {
     scene: () => Source | string;
     /** The page begins or ends to follow the board. */
     onFollow: (isFollowing: boolean) => void;
+    /** The line was lost, or the user has seen that: the machine is not where it is drawn. */
+    onLost: (isLost: boolean) => void;
     onSample: (sample: TakenSample) => void;
 }
 
@@ -47,6 +49,8 @@ export class BoardPanel {
     private line: Line | undefined;
     private worker: Worker | undefined;
     private view: TakenView | undefined;
+    /** The line ended by itself, and the user has not acknowledged that. */
+    private isLost = false;
     /** Time of the last sample. */
     private time = NaN;
     /** Counts connections: what an older one says is of no interest. */
@@ -69,6 +73,11 @@ export class BoardPanel {
         for (const [id, command] of BUTTONS) this.button(id, command, () => this.ask({ kind: "command", command }));
         for (const [id, direction] of STEPS) this.button(id, BoardCommand.Step, () => this.ask({ kind: "step", by: this.step(direction) }));
         page("halt").addEventListener("click", () => this.halt());
+        page("lost-seen").addEventListener("click", () => {
+            this.lose(false);
+            this.show();
+            page("connect-serial").focus({ preventScroll: true });
+        });
         addEventListener(
             "keydown",
             (event) => {
@@ -129,6 +138,7 @@ export class BoardPanel {
             this.note(scene);
             return;
         }
+        this.lose(false);
         this.round += 1;
         const { round } = this;
         const isCurrent = () => round === this.round;
@@ -175,6 +185,7 @@ export class BoardPanel {
     /** Ends the conversation. A machine that plays a job comes to rest by its host timeout, and waits. */
     private disconnect(reason: string): void {
         this.round += 1;
+        this.lose(this.line !== undefined && reason !== "disconnected");
         this.line?.close();
         this.worker?.terminate();
         this.line = this.worker = this.view = undefined;
@@ -183,6 +194,11 @@ export class BoardPanel {
         this.state(reason, reason !== "disconnected");
         this.host.onFollow(false);
         this.show();
+    }
+
+    private lose(isLost: boolean): void {
+        this.isLost = isLost;
+        this.host.onLost(isLost);
     }
 
     private take(view: TakenView, notes: string[]): void {
@@ -218,17 +234,21 @@ export class BoardPanel {
 
     /** Buttons as they are now: those out of use say why. */
     private show(): void {
-        const { page, view, isOpen } = this;
-        document.documentElement.classList.toggle("with-board", isOpen);
-        if (page("connect").hidden !== isOpen) {
-            // A board that is connected comes first.
+        const { page, view, isOpen, isLost } = this;
+        const isShown = isOpen || isLost;
+        const root = document.documentElement.classList;
+        if (root.contains("with-board") !== isShown) {
+            // A board that is connected comes first, and stays there while the user has to see that its line was lost.
             const card = page("connect").closest("section");
             const side = card?.parentElement;
-            if (card) isOpen ? side?.prepend(card) : side?.append(card);
+            if (card) isShown ? side?.prepend(card) : side?.append(card);
         }
+        root.toggle("with-board", isShown);
         page("connect").hidden = isOpen;
         page("controls").hidden = !isOpen;
-        page("halt-bar").hidden = !isOpen;
+        page("halt-bar").hidden = !isShown;
+        page("halt").hidden = !isOpen;
+        page("lost-seen").hidden = !isLost;
         const all: [string, BoardCommand][] = [...BUTTONS, ...STEPS.map(([id]): [string, BoardCommand] => [id, BoardCommand.Step])];
         for (const [id, command] of all) {
             const why = this.hindrance(command);

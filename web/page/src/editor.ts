@@ -29,6 +29,19 @@ export class Editor {
         this.fit();
     }
 
+    /** Puts another text in place as the user would, so that the browser's undo brings the one before back. */
+    replace(text: string): void {
+        const before = document.activeElement;
+        this.text.focus({ preventScroll: true });
+        this.text.select();
+        // Nothing newer writes into the list of what can be undone.
+        if (this.text.readOnly || !document.execCommand("insertText", false, text)) {
+            this.value = text;
+            this.text.dispatchEvent(new Event("input"));
+        }
+        if (before instanceof HTMLElement) before.focus({ preventScroll: true });
+    }
+
     /** Shows problems, or `good` if there are none. */
     show(troubles: Trouble[], good: string): void {
         this.troubles = troubles;

@@ -63,6 +63,12 @@ export class Program {
         this.showInputs();
     }
 
+    /** Puts another text in place of the scene, as an edit that can be undone. */
+    replaceScene(text: string): void {
+        this.show("scene");
+        this.editor.replace(text);
+    }
+
     /** The job's file with its inputs. */
     get job(): JobFile | undefined {
         if (this.file === undefined) return undefined;
