@@ -44,6 +44,7 @@ fn a_coarse_encoder_feels_it_later() {
 fn times_against_forces_and_thresholds() {
     for (name, setup) in [("fine", FINE), ("coarse", COARSE)] {
         for threshold in [setup.contact.force_n, 1.0, 2.0] {
+            let mut before = [f64::INFINITY; 2];
             for force in [0.5, 1.0, 2.0, 5.0] {
                 if force <= 1.3 * threshold {
                     continue;
@@ -58,6 +59,12 @@ fn times_against_forces_and_thresholds() {
                     "{name}: threshold {threshold} N, {force} N: standing {:.1?} ms, moving {:.1?} ms",
                     found[0], found[1]
                 );
+                // What pushes harder is felt sooner, in the median of as many pushes.
+                let medians = found.map(|times| times.expect("felt")[1]);
+                for (median, before) in medians.into_iter().zip(&mut before) {
+                    assert!(median <= *before, "{name}: {threshold} N, {force} N");
+                    *before = median;
+                }
             }
         }
     }
