@@ -87,9 +87,16 @@ impl<'q, T> Receiver<'q, T> {
         self.receive();
     }
 
-    /// Returns whether there is no room for another item.
-    #[inline]
-    pub(super) fn is_full(&self) -> bool {
-        self.0.capacity() != usize::MAX && self.0.len() == self.0.capacity()
+    /// Items that wait.
+    pub(super) fn len(&self) -> usize {
+        match self.0.capacity() {
+            usize::MAX => 0,
+            _ => self.0.len(),
+        }
+    }
+
+    /// Items that there is room for at most.
+    pub(super) fn capacity(&self) -> usize {
+        self.0.capacity()
     }
 }
