@@ -318,6 +318,37 @@ mod tests {
         }
     }
 
+    /// The velocity, or the square of the turning rate, has no place in fixed point; near the base, where everything else has.
+    #[test]
+    fn fixed_point_refuses_velocities_beyond_its_range() {
+        let mut parameters = example();
+        // Elbows of 60 degrees: the motors turn slower than the platform moves.
+        for (leg, base) in
+            (parameters.legs.iter_mut()).zip([[-0.89, 0.05], [-0.89, -0.05], [1.09, 0.0]])
+        {
+            (leg.base_m, leg.joint_radius_m) = (base.into(), 0.0);
+            (leg.proximal_m, leg.distal_m) = (0.99, 0.99);
+        }
+        fn of<N: Number>(parameters: &Parameters, velocity: [f64; 3]) -> Option<Status> {
+            let tick: Tick<Kinematic<N>> = Tick::build(parameters).expect("a machine");
+            let setpoint = Setpoint {
+                pose: Pose::from_f64(0.1, 0.0, 0.0),
+                velocity: Vector3::from(velocity).map(N::from_f64),
+                acceleration: Vector3::zeros().map(N::from_f64),
+            };
+            tick.evaluate(&setpoint).err()
+        }
+        for (velocity, status) in [
+            ([1.95, 0.0, 0.0], None),
+            ([2.05, 0.0, 0.0], Some(Status::OutOfRange)),
+            ([0.0, 0.0, 1.2], None),
+            ([0.0, 0.0, 1.5], Some(Status::OutOfRange)),
+        ] {
+            assert_eq!(of::<Fixed>(&parameters, velocity), status, "{velocity:?}");
+            assert_eq!(of::<f32>(&parameters, velocity), None, "{velocity:?}");
+        }
+    }
+
     #[test]
     fn a_scene_without_torques_moves_the_same() {
         leaves_the_motion_as_it_is::<f32>();

@@ -5,7 +5,7 @@ use crate::boards::FIRMWARE_TARGET;
 use crate::ci::with_oldest_toolchain;
 use crate::image::PROFILE;
 use crate::packages::{NIGHTLY_PACKAGES, Package};
-use crate::repository::target_directory;
+use crate::repository::{root, target_directory};
 use crate::steps::{self, Step};
 use anyhow::{Result, ensure};
 use std::process::Command;
@@ -15,6 +15,13 @@ pub(crate) fn run() -> Result<()> {
     ensure!(
         deny.is_ok_and(|output| output.status.success()),
         "not installed: cargo install cargo-deny --locked"
+    );
+    ensure!(
+        on_nightly()
+            .arg("--version")
+            .output()
+            .is_ok_and(|output| output.status.success()),
+        "not installed: rustup toolchain install nightly --component miri rust-src"
     );
     steps::run(steps()?)
 }
@@ -68,6 +75,29 @@ fn model_of_registers() -> Step {
     let mut step = Step::cargo("the model of the registers", &["test", "--quiet"]);
     choose_bench(&mut step.command);
     step
+}
+
+/// Miri, of the nightly toolchain.
+fn on_nightly() -> Command {
+    let mut miri = Command::new("rustup");
+    miri.current_dir(root())
+        .args(["run", "nightly", "cargo", "miri"])
+        // Set by the toolchain that runs this chore.
+        .env_remove("CARGO")
+        .env_remove("RUSTC")
+        .env_remove("RUSTUP_TOOLCHAIN");
+    miri
+}
+
+/// Tests of all that two threads share, as if each had a core of its own: no data race, no word before those that it announces.
+fn hand_over(package: &str, filters: &[&str]) -> Step {
+    let mut miri = on_nightly();
+    miri.args(["test", "-p", package, "--lib", "--target-dir"])
+        .arg(target_directory().join("miri"))
+        .arg("--")
+        .args(filters)
+        .env("MIRIFLAGS", "-Zmiri-disable-isolation");
+    Step::new(format!("the hand-over of {package} on two cores"), miri)
 }
 
 fn steps() -> Result<Vec<Step>> {
@@ -211,6 +241,8 @@ fn steps() -> Result<Vec<Step>> {
                 "--nocapture",
             ],
         ),
+        hand_over("trirrr-service", &["tests::shared", "tests::threads"]),
+        hand_over("trirrr-drives", &["bldc::line"]),
         Step::chore(
             "the page, and a million ticks in WebAssembly",
             &["page", "--ticks", "65000"],

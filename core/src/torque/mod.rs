@@ -22,6 +22,8 @@
 
 pub mod balance;
 pub mod demand;
+#[cfg(test)]
+mod energy;
 pub mod lines;
 pub mod links;
 pub mod payload;

@@ -62,6 +62,12 @@ pub struct GoalClient<N: Transmit> {
     pause: Duration,
     /// The client has enabled the machine.
     is_enabled: bool,
+    /// The machine is on its way to the rest that [`GoalClient::rest`] asks for.
+    is_resting: bool,
+    /// The moves that are queued are too few to start: the last of them ends in motion.
+    ends_moving: bool,
+    /// The last goal is in motion, and the machine came to rest before it.
+    falls_short: bool,
     result: Option<Result<(), GoalFailure<N>>>,
 }
 
@@ -98,6 +104,9 @@ impl<N: Transmit> GoalClient<N> {
             look: Duration::ZERO,
             pause: Duration::ZERO,
             is_enabled: false,
+            is_resting: false,
+            ends_moving: false,
+            falls_short: false,
             result: None,
         }
     }
@@ -111,6 +120,22 @@ impl<N: Transmit> GoalClient<N> {
     /// Says that no other goal follows: the client has finished once the machine stands.
     pub fn finish(&mut self) {
         self.is_last = true;
+    }
+
+    /// Brings the machine to rest on its path, and drops what is left of the motion: it is over, and no failure.
+    pub fn rest(&mut self) {
+        self.command(UserCommand::Stop);
+        self.is_resting = true;
+    }
+
+    /// Returns true until the machine stands behind a [`GoalClient::rest`]: where it will stand is not known.
+    pub fn is_resting(&self) -> bool {
+        self.is_resting
+    }
+
+    /// Returns true if the last goal is in motion: the machine came to rest on its way there.
+    pub fn falls_short(&self) -> bool {
+        self.falls_short
     }
 
     /// Takes a command of the user. The command goes before the goal. A stop drops it.
@@ -185,11 +210,20 @@ impl<N: Transmit> GoalClient<N> {
             return Some(Command::Resume);
         }
         let waits = status.state == State::Idle && status.next != status.done;
-        if waits && !status.planning && status.admitted == status.next {
+        let needs_more = self.ends_moving && (self.wanted.is_some() || self.is_last);
+        if waits && !status.planning && status.admitted == status.next && !needs_more {
             return Some(Command::Start);
         }
-        if let Some(goal) = self.wanted.filter(|_| !status.planning) {
+        // A goal takes the place of one whose cut is ahead: where the machine holds before the cut that may be for long.
+        let takes_goal = !status.planning || status.state == State::Holding;
+        if let Some(goal) = self.wanted.filter(|_| takes_goal) {
             return Some(Command::Retarget(goal));
+        }
+        let is_dry = status.state == State::Holding && status.acting == Acting::QueueDry;
+        if self.is_last && !status.planning && (is_dry || (waits && needs_more)) {
+            self.falls_short = true;
+            self.rest();
+            return self.orders.pop_front().map(Command::from);
         }
         let stands = status.state == State::Idle && status.next == status.done;
         if stands && !status.planning && self.wanted.is_none() {
@@ -214,10 +248,9 @@ impl<N: Transmit> GoalClient<N> {
             Reply::Hello(_) => self.look = now,
             Reply::Status(status) => self.on_status(status, now),
             Reply::Done => {
-                if let Command::Retarget(goal) = command
-                    && self.wanted == Some(goal)
-                {
-                    self.wanted = None;
+                if let Command::Retarget(goal) = command {
+                    self.ends_moving = false;
+                    self.wanted = self.wanted.filter(|wanted| *wanted != goal);
                 }
                 self.is_enabled |= command == Command::Enable;
                 // What it changes, the next status says.
@@ -253,12 +286,15 @@ impl<N: Transmit> GoalClient<N> {
         }
         let stopped = matches!(status.acting, Acting::Stop | Acting::Silence);
         let was_moving = before.is_some_and(|before| before.state != State::Idle);
-        if status.state == State::Idle && stopped && was_moving && self.is_last {
+        let is_idle = status.state == State::Idle;
+        let was_asked = is_idle && self.orders.is_empty() && std::mem::take(&mut self.is_resting);
+        if is_idle && stopped && was_moving && self.is_last && !was_asked {
             self.result = Some(Err(GoalFailure::Stopped(status.acting)));
         }
     }
 
     fn on_refusal(&mut self, command: &Command<N>, refusal: Refusal<N>, now: Duration) {
+        self.ends_moving |= refusal == Refusal::EndsMoving;
         match (command, refusal) {
             // Not yet.
             (

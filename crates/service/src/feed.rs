@@ -231,6 +231,16 @@ impl FeedScale {
         left >= level * level + LAST
     }
 
+    /// Returns true if a path that stands anywhere before `room` goes on: it comes to rest in there behind the greatest change of a tick.
+    pub(super) fn can_start(&self, room: impl Fn(usize) -> i32) -> bool {
+        let step = Step {
+            level: u32::from(FULL),
+            slope: i32::from(FULL),
+            parts: u32::from(FULL),
+        };
+        self.can_stop(step, 2 * self.top, room)
+    }
+
     /// Returns true if `room` is enough to come to rest from the pace that the host asks for, and from the present one.
     pub(super) fn is_enough(&self, part: u32, room: impl Fn(usize) -> i32) -> bool {
         let at_goal = Step {

@@ -18,7 +18,7 @@ use super::pace::{MovePaces, Room};
 use super::scene::Scene;
 use super::splice::{SpliceChannels, SplicesOf};
 use super::tool::Tool;
-use core::sync::atomic::{AtomicU32, Ordering};
+use core::sync::atomic::{AtomicU32, Ordering, fence};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{CurveKind, JointMove, Pose, Segment};
 use trirrr_protocol::message::{Acting, Interruption, State, TelemetryFields};
@@ -179,24 +179,24 @@ impl SharedCounters {
         }
     }
 
-    /// Says what is admitted; after the moves themselves are in their queue. Who sees the last word sees the others.
+    /// Says what is admitted; after the moves themselves are in their queue. Who sees one of the words sees the moves.
     pub(super) fn set_ahead(&self, ahead: Ahead) {
+        fence(Ordering::Release);
         for (shared, room) in self.room.iter().zip(ahead.room.0) {
             shared.store(room, Ordering::Relaxed);
         }
-        self.rests.store(ahead.rests, Ordering::Release);
+        self.rests.store(ahead.rests, Ordering::Relaxed);
     }
 
-    /// Returns what is admitted. The moves themselves are in their queue by then. While a move is added, the room may be more
-    /// than that up to the last rest: it is asked for beyond that one only.
+    /// Returns what is admitted. The moves themselves are in their queue by then. While a move is added some of the words may be of
+    /// before: the room is more than that up to the last rest, beyond which alone it is asked for, or it is less than there is.
     #[inline]
     pub(super) fn ahead(&self) -> Ahead {
-        let rests = self.rests.load(Ordering::Acquire);
+        let rests = self.rests.load(Ordering::Relaxed);
         let [any, half] = &self.room;
-        Ahead {
-            room: Room([any, half].map(|room| room.load(Ordering::Relaxed))),
-            rests,
-        }
+        let room = Room([any, half].map(|room| room.load(Ordering::Relaxed)));
+        fence(Ordering::Acquire);
+        Ahead { room, rests }
     }
 }
 

@@ -311,6 +311,20 @@ mod tests {
         }
     }
 
+    /// A chain goes on from a part of any rates: a tick of the ramp's own may be lost there.
+    #[test]
+    fn behind_a_part_of_any_rates_a_tick_is_lost() {
+        for (top, lost) in [(1 << 7, 129), (1 << 18, 129), (1 << 19, 65), (1 << 23, 5)] {
+            let RoomCount { room, last } = RoomCount::behind_any(&RoomMeasure::new(top));
+            assert_eq!(
+                [0, 1].map(|x| Room::NONE.left(&room, x)),
+                [-lost; 2],
+                "{top}"
+            );
+            assert_eq!(last, [u32::from(FULL); 2]);
+        }
+    }
+
     /// An interval lowers every part that it touches, by the definition: in whole ticks of path.
     #[test]
     fn an_interval_lowers_all_parts_that_it_touches() {

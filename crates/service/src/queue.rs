@@ -1,17 +1,14 @@
-//! The two ends of a queue, without a panic.
+//! The two ends of a queue, without a panic, for two cores too.
 //!
 //! The ends that `heapless` gives hold no length at compile time and divide by one at run time. A
 //! queue's length is never zero, but the compiler does not know: a path to a panic would be left
 //! in the tick. Asking for the capacity first tells it.
 
+use core::sync::atomic::{Ordering, fence};
 use heapless::spsc::{Consumer, Producer};
 
 /// End of a queue at which one side puts items in.
-pub(super) struct Sender<'q, T> {
-    producer: Producer<'q, T>,
-    /// Items that there is room for at least: the other side only makes room.
-    room: usize,
-}
+pub(super) struct Sender<'q, T>(Producer<'q, T>);
 
 /// End of a queue at which the other side takes items out.
 pub(super) struct Receiver<'q, T>(Consumer<'q, T>);
@@ -21,43 +18,32 @@ pub(super) type BothEnds<'q, T> = (Sender<'q, T>, Receiver<'q, T>);
 
 impl<'q, T> Sender<'q, T> {
     pub(super) fn new(producer: Producer<'q, T>) -> Self {
-        Self { producer, room: 0 }
+        Self(producer)
     }
 
     /// Puts `item` in; whether there was room.
     #[inline]
-    #[allow(unsafe_code)]
     pub(super) fn send(&mut self, item: T) -> bool {
-        if !self.has_room() {
-            return false;
-        }
-        // SAFETY: there is room, and nobody else puts in. `enqueue` would hand the item back where
-        // there is none, and copy it back and forth for that.
-        unsafe { self.producer.enqueue_unchecked(item) };
-        self.room -= 1;
-        true
+        self.0.capacity() != usize::MAX && self.0.enqueue(item).is_ok()
     }
 
-    /// Returns whether there is room for an item. It is counted, by a division, where the last count is used up.
+    /// Returns whether there is room for an item.
     #[inline]
-    pub(super) fn has_room(&mut self) -> bool {
-        if self.room == 0 {
-            self.room = self.capacity() - self.len();
-        }
-        self.room != 0
+    pub(super) fn has_room(&self) -> bool {
+        self.0.capacity() != usize::MAX && self.0.ready()
     }
 
     /// Items that wait.
     pub(super) fn len(&self) -> usize {
-        if self.producer.capacity() == usize::MAX {
-            return 0;
+        match self.0.capacity() {
+            usize::MAX => 0,
+            _ => self.0.len(),
         }
-        self.producer.len()
     }
 
     /// Items that there is room for at most.
     pub(super) fn capacity(&self) -> usize {
-        self.producer.capacity()
+        self.0.capacity()
     }
 }
 
@@ -78,6 +64,11 @@ impl<'q, T> Receiver<'q, T> {
     /// The oldest item.
     #[inline]
     pub(super) fn peek(&self) -> Option<&T> {
+        if !self.0.ready() {
+            return None;
+        }
+        // `peek` looks only whether there is an item: it does not wait for the item to be written on another core, as `dequeue` does.
+        fence(Ordering::Acquire);
         self.0.peek()
     }
 
@@ -87,9 +78,16 @@ impl<'q, T> Receiver<'q, T> {
         self.receive();
     }
 
-    /// Returns whether there is no room for another item.
-    #[inline]
-    pub(super) fn is_full(&self) -> bool {
-        self.0.capacity() != usize::MAX && self.0.len() == self.0.capacity()
+    /// Items that wait.
+    pub(super) fn len(&self) -> usize {
+        match self.0.capacity() {
+            usize::MAX => 0,
+            _ => self.0.len(),
+        }
+    }
+
+    /// Items that there is room for at most.
+    pub(super) fn capacity(&self) -> usize {
+        self.0.capacity()
     }
 }

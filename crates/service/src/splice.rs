@@ -2,7 +2,7 @@
 //!
 //! The background plans the chain from the state that the tick will play there, puts it into a queue of its own and orders
 //! the cut. The tick accepts the order while the place is ahead; at the place it changes over to the chain as from one move
-//! to the next. There are two such queues, taken in turn: what is left of the one before is dropped, a move a tick. Behind
+//! to the next. There are two such queues, taken in turn: what is left of the one before is dropped at once. Behind
 //! the chain the common queue goes on, once what was cut is dropped from it, too.
 
 use crate::handoff::{Ahead, QueuedMove};
@@ -17,6 +17,9 @@ use trirrr_core::setpoint::CurveKind;
 
 /// Most moves of a chain.
 pub(crate) const CHAIN: usize = 13;
+
+/// Number of no chain.
+const WITHDRAWN: usize = 2;
 
 /// A part of the service that a scene may do without: then it has no size, and code for it is compiled out.
 pub trait Optional<T> {
@@ -115,6 +118,8 @@ pub(crate) enum SpliceOrder {
     Locate,
     /// To change over to a chain.
     Cut(CutOrder),
+    /// To give the chain of the cut ahead back, and to wait for another: where the machine holds before the cut.
+    Withdraw,
 }
 
 /// Order to change over to a chain.
@@ -137,7 +142,7 @@ pub(crate) struct CutOrder {
 pub struct SpliceReport {
     /// Orders taken so far, modulo 256.
     pub(crate) orders: u8,
-    /// The last order to cut was in time.
+    /// The last order to cut was in time, or the chain was given back.
     pub(crate) accepted: bool,
     /// Cuts done so far, modulo 256.
     pub(crate) cuts: u8,
@@ -185,7 +190,6 @@ where
             published: &self.published,
             pending: None,
             playing: None,
-            drops: [false; 2],
             hides_queue: false,
             ahead: None,
             report: SpliceReport::default(),
@@ -225,8 +229,6 @@ pub struct SplicePlayer<'q, N: ServiceNumber, K: CurveKind> {
     pending: Option<CutOrder>,
     /// Chain that is played, or was last.
     playing: Option<usize>,
-    /// Moves in these queues are not played any more.
-    drops: [bool; 2],
     /// The common queue has moves of before the cut.
     pub(crate) hides_queue: bool,
     /// Account of a chain until the background shares it.
@@ -235,15 +237,9 @@ pub struct SplicePlayer<'q, N: ServiceNumber, K: CurveKind> {
 }
 
 impl<N: ServiceNumber, K: CurveKind> SplicePlayer<'_, N, K> {
-    /// Drops a stale move of each chain. Returns the next order.
+    /// Returns the next order.
     #[inline]
     pub(crate) fn take_order(&mut self) -> Option<SpliceOrder> {
-        for (chain, drops) in self.chains.iter_mut().zip(&mut self.drops) {
-            if *drops {
-                *drops = chain.peek().is_some();
-                chain.discard();
-            }
-        }
         let order = self.orders.receive()?;
         self.report.orders = self.report.orders.wrapping_add(1);
         Some(order)
@@ -255,6 +251,17 @@ impl<N: ServiceNumber, K: CurveKind> SplicePlayer<'_, N, K> {
         self.pending.as_ref()
     }
 
+    /// Returns true if the chain of the cut ahead was given back: the path stands until another takes its place.
+    pub(crate) fn is_withdrawn(&self) -> bool {
+        matches!(&self.pending, Some(cut) if cut.chain == WITHDRAWN)
+    }
+
+    /// Moves that wait in the chain that is played.
+    pub(crate) fn len(&self) -> usize {
+        let chain = self.playing.and_then(|playing| self.chains.get(playing));
+        chain.map_or(0, Receiver::len)
+    }
+
     /// Takes an order to cut, or drops its chain.
     pub(crate) fn accept(&mut self, cut: CutOrder, accepted: bool) {
         self.report.accepted = accepted;
@@ -264,9 +271,23 @@ impl<N: ServiceNumber, K: CurveKind> SplicePlayer<'_, N, K> {
         }
     }
 
+    /// Gives the chain of the cut ahead back, if `stands` and there is one.
+    pub(crate) fn withdraw(&mut self, stands: bool) {
+        let chain = match &mut self.pending {
+            Some(cut) if stands => core::mem::replace(&mut cut.chain, WITHDRAWN),
+            _ => WITHDRAWN,
+        };
+        self.report.accepted = chain != WITHDRAWN;
+        self.drop_chain(chain);
+    }
+
+    /// Drops the moves of a chain at once: the background fills its queue as soon as it knows.
+    #[inline(never)]
     fn drop_chain(&mut self, chain: usize) {
-        if let Some(drops) = self.drops.get_mut(chain) {
-            *drops = true;
+        if let Some(chain) = self.chains.get_mut(chain) {
+            for _ in 0..CHAIN {
+                chain.discard();
+            }
         }
     }
 
@@ -328,6 +349,6 @@ impl<N: ServiceNumber, K: CurveKind> SplicePlayer<'_, N, K> {
         self.pending = None;
         self.playing = None;
         self.ahead = None;
-        self.drops = [true; 2];
+        (0..self.chains.len()).for_each(|chain| self.drop_chain(chain));
     }
 }

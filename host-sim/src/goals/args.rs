@@ -103,7 +103,7 @@ pub struct ParkArgs {
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
 A pose that comes before the machine has taken the last one takes its place. At the end of the poses the command waits until \
-the machine stands at the last. Ctrl-C stops the machine on its path.")]
+the machine stands at the last, or on its way there if the last is in motion. Ctrl-C stops the machine on its path.")]
 pub struct FollowArgs {
     /// The machine.
     #[command(flatten)]
@@ -124,7 +124,8 @@ pub struct FollowArgs {
 #[command(after_help = "\
 `step DX DY [DALPHA]` moves by so much, m and rad. `speed VX VY [VALPHA]` moves at this velocity, m/s and rad/s, for the time of \
 --renew; another such line before its end keeps the machine moving. `hold`, `resume`, `stop` and `feed PERCENT` are those of \
-`stream`. The machine comes to rest by itself when this program ends or the line breaks. The end of standard input ends the jog.")]
+`stream`, `disable` switches the drives off. The machine comes to rest by itself when this program ends or the line breaks. The end of standard \
+input ends the jog. A line that is none is left out, and the exit code is 2.")]
 pub struct JogArgs {
     /// The machine.
     #[command(flatten)]

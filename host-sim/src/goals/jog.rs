@@ -25,6 +25,10 @@ pub(super) struct Jog {
     renew: Duration,
     speed: Option<Speed>,
     is_over: bool,
+    read: u64,
+    /// Lines that are none, and the last of them with the reason.
+    left_out: u64,
+    reason: String,
 }
 
 /// Velocity under way.
@@ -36,6 +40,8 @@ struct Speed {
     /// End of it, and time of the next goal.
     until: Duration,
     next: Duration,
+    /// The machine has no motion there: it waits for another velocity.
+    is_blocked: bool,
 }
 
 /// A line of a user.
@@ -53,6 +59,9 @@ impl Jog {
             renew: Duration::from_secs_f64(renew_s),
             speed: None,
             is_over: false,
+            read: 0,
+            left_out: 0,
+            reason: String::new(),
         }
     }
 
@@ -63,12 +72,11 @@ impl Jog {
         now: Duration,
     ) {
         match line {
-            JogLine::User(command) => {
-                if command == UserCommand::Stop {
-                    self.speed = None;
-                }
-                session.command(command);
+            JogLine::User(UserCommand::Stop) => {
+                self.speed = None;
+                session.rest();
             }
+            JogLine::User(command) => session.command(command),
             JogLine::Step(by) => {
                 self.speed = None;
                 if let Some(end) = session.end() {
@@ -91,6 +99,7 @@ impl Jog {
                         at_s: now.as_secs_f64() + behind,
                         until: now + self.renew,
                         next: now,
+                        is_blocked: false,
                     });
                 }
             },
@@ -103,12 +112,14 @@ impl Jog {
             return;
         };
         if now >= speed.until {
+            if !speed.is_blocked {
+                session.rest();
+            }
             self.speed = None;
-            session.command(UserCommand::Stop);
             return;
         }
         // The line is slower than the goals: the newest counts.
-        if now < speed.next || session.is_wanting() {
+        if now < speed.next || session.is_wanting() || speed.is_blocked {
             return;
         }
         speed.next = now + EVERY;
@@ -137,15 +148,21 @@ impl Goals for Jog {
         if session.end().is_none() {
             return Ok(());
         }
-        loop {
+        // The next line starts where this one leads to: behind a stop that is where the machine stands.
+        while session.end().is_some() {
             match self.lines.try_recv() {
-                Ok(line) => match read(&line) {
-                    Some(line) => self.obey(line, session, now),
-                    None if line.trim().is_empty() => {}
-                    None => say(
-                        "lines are step DX DY [DALPHA], speed VX VY [VALPHA], hold, resume, stop and feed PERCENT",
-                    ),
-                },
+                Ok(line) => {
+                    self.read += 1;
+                    match read(line.trim()) {
+                        Ok(Some(line)) => self.obey(line, session, now),
+                        Ok(None) => {}
+                        Err(reason) => {
+                            self.left_out += 1;
+                            self.reason = format!("line {}: {reason}", self.read);
+                            say(&self.reason);
+                        }
+                    }
+                }
                 Err(TryRecvError::Empty) => break,
                 Err(TryRecvError::Disconnected) => {
                     if !self.is_over && self.speed.is_none() {
@@ -159,22 +176,55 @@ impl Goals for Jog {
         self.go_on(session, now);
         Ok(())
     }
+
+    /// At the edge of the workspace: the machine stops on its path, and the velocity waits for another one.
+    fn refused<N: ServiceNumber>(&mut self, session: &mut GoalSession<'_, N>) {
+        if let Some(speed) = &mut self.speed
+            && !std::mem::replace(&mut speed.is_blocked, true)
+        {
+            session.rest();
+        }
+    }
+
+    fn verdict(&self) -> Result<(), CliError> {
+        match self.left_out {
+            0 => Ok(()),
+            count => Err(CliError::Refused(format!(
+                "{count} of {} lines left out, last {}",
+                self.read, self.reason
+            ))),
+        }
+    }
 }
 
-fn read(line: &str) -> Option<JogLine> {
+/// The line, none where it is empty, or the reason why it is none.
+fn read(line: &str) -> Result<Option<JogLine>, String> {
     if let Some(command) = user_command(line) {
-        return Some(JogLine::User(command));
+        return Ok(Some(JogLine::User(command)));
     }
-    let (word, rest) = line.trim().split_once(char::is_whitespace)?;
-    let by = match numbers(rest)?[..] {
-        [x, y] => [x, y, 0.0],
-        [x, y, alpha] => [x, y, alpha],
-        _ => return None,
-    };
-    match word {
-        "step" => Some(JogLine::Step(by)),
-        "speed" => Some(JogLine::Speed(by)),
-        _ => None,
+    let (word, rest) = line.split_once(char::is_whitespace).unwrap_or((line, ""));
+    let values = numbers(rest).unwrap_or_default();
+    match (word, &values[..]) {
+        ("", _) => Ok(None),
+        ("step" | "speed", &[x, y] | &[x, y, _]) => {
+            let by = [x, y, values.get(2).copied().unwrap_or(0.0)];
+            Ok(Some(match word {
+                "step" => JogLine::Step(by),
+                _ => JogLine::Speed(by),
+            }))
+        }
+        ("step", _) => Err(format!(
+            "`{line}`: give step DX DY [DALPHA], 2 or 3 numbers in m and rad"
+        )),
+        ("speed", _) => Err(format!(
+            "`{line}`: give speed VX VY [VALPHA], 2 or 3 numbers in m/s and rad/s"
+        )),
+        ("feed" | "f", _) => Err(format!(
+            "`{line}`: give feed PERCENT, a whole number from 1 to 100"
+        )),
+        _ => Err(format!(
+            "`{line}` is no line of a jog: they are step DX DY [DALPHA], speed VX VY [VALPHA], hold, resume, stop, disable and feed PERCENT"
+        )),
     }
 }
 
@@ -184,21 +234,38 @@ mod tests {
 
     #[test]
     fn lines_are_read() {
+        let some = |line| Ok(Some(line));
         assert_eq!(
             read("step 0.01 -0.02"),
-            Some(JogLine::Step([0.01, -0.02, 0.0]))
+            some(JogLine::Step([0.01, -0.02, 0.0]))
         );
         assert_eq!(
             read("speed 0.01,0,0.1"),
-            Some(JogLine::Speed([0.01, 0.0, 0.1]))
+            some(JogLine::Speed([0.01, 0.0, 0.1]))
         );
-        assert_eq!(read(" stop\r"), Some(JogLine::User(UserCommand::Stop)));
+        assert_eq!(read("stop"), some(JogLine::User(UserCommand::Stop)));
         assert_eq!(
             read("feed 50"),
-            Some(JogLine::User(UserCommand::FeedOverride(50)))
+            some(JogLine::User(UserCommand::FeedOverride(50)))
         );
-        for line in ["step", "step 1", "step 1 2 3 4", "go 1 2", "step a b"] {
-            assert_eq!(read(line), None, "{line}");
+        assert_eq!(read(""), Ok(None));
+    }
+
+    #[test]
+    fn a_line_that_is_none_is_told_what_it_lacks() {
+        for (line, what) in [
+            ("step", "step DX DY"),
+            ("step 1", "step DX DY"),
+            ("step 1 2 3 4", "step DX DY"),
+            ("step nan 0", "step DX DY"),
+            ("speed a b", "speed VX VY"),
+            ("feed 101", "from 1 to 100"),
+            ("feed", "from 1 to 100"),
+            ("go 1 2", "hold, resume, stop, disable"),
+            ("spede", "hold, resume, stop, disable"),
+        ] {
+            let reason = read(line).expect_err(line);
+            assert!(reason.contains(line) && reason.contains(what), "{reason}");
         }
     }
 }

@@ -78,5 +78,6 @@ fn run<N: ServiceNumber>(
     print(&format!(
         "stands at x {x:.6} m, y {y:.6} m, alpha {alpha:.6} rad\n"
     ))?;
+    goals.verdict()?;
     Ok(true)
 }

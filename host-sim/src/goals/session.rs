@@ -38,6 +38,17 @@ pub(super) trait Goals {
         session: &mut GoalSession<'_, N>,
         now: Duration,
     ) -> Result<(), CliError>;
+
+    /// Called where the machine has no motion to the last goal, after the user was told.
+    fn refused<N: ServiceNumber>(&mut self, _: &mut GoalSession<'_, N>) {}
+
+    /// Called at the end.
+    ///
+    /// # Errors
+    /// Refused: input that was left out.
+    fn verdict(&self) -> Result<(), CliError> {
+        Ok(())
+    }
 }
 
 /// Goals under way.
@@ -82,8 +93,11 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
         })
     }
 
-    /// Pose where the last goal ends, or the machine's own moves; none before the first status.
+    /// Pose where the last goal ends, or the machine's own moves; none before the first status, and while the machine comes to rest.
     pub(super) fn end(&self) -> Option<[f64; 3]> {
+        if self.client.is_resting() {
+            return None;
+        }
         self.end.or_else(|| {
             let end = self.client.status()?.end?;
             let pose = end.pose;
@@ -120,10 +134,13 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
 
     /// Takes a command of the user.
     pub(super) fn command(&mut self, command: UserCommand) {
-        if command == UserCommand::Stop {
-            self.end = None;
-        }
         self.client.command(command);
+    }
+
+    /// Brings the machine to rest on its path: the goals so far are over.
+    pub(super) fn rest(&mut self) {
+        self.end = None;
+        self.client.rest();
     }
 
     /// Says that no other goal follows.
@@ -161,6 +178,7 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
                     return Err(CliError::Refused(text));
                 }
                 say(&text);
+                goals.refused(self);
             }
             match self.client.poll(start.elapsed()) {
                 GoalAction::Send(request) => {
@@ -189,6 +207,11 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
     }
 
     fn stands(&mut self, stopped: bool) -> Option<[f64; 3]> {
+        if self.client.falls_short() && !stopped {
+            say(
+                "the last pose is in motion: the machine came to rest on its way there, and has dropped what was left",
+            );
+        }
         self.end = None;
         self.end().filter(|_| !stopped)
     }

@@ -43,6 +43,8 @@ pub(crate) struct Errands {
     pub(crate) frames: u64,
     pub(crate) damaged: u64,
     pub(crate) goals: u64,
+    /// Goals that came while another was open.
+    pub(crate) replaced: u64,
     pub(crate) refused_goals: u64,
     pub(crate) cuts: u64,
     /// Cuts at another pace than normal speed, or at rest.
@@ -63,6 +65,7 @@ impl Errands {
         self.frames += other.frames;
         self.damaged += other.damaged;
         self.goals += other.goals;
+        self.replaced += other.replaced;
         self.refused_goals += other.refused_goals;
         self.cuts += other.cuts;
         self.slow_cuts += other.slow_cuts;
@@ -76,7 +79,7 @@ impl Errands {
 
 type Machine = Dynamic<f64>;
 
-/// Goal that the machine has taken and not begun to move to.
+/// Goal that the machine has taken and not begun to move to. Another may wait to take its place.
 struct OpenGoal {
     goal: Goal<f64>,
     /// Number of the next move, and the setpoint where it begins, while nothing is planned.
@@ -105,7 +108,10 @@ pub(crate) struct ErrandSession<'q> {
     pause: u64,
     /// Sequence number of the last request that the machine executed.
     executed: Option<u32>,
-    open: Option<OpenGoal>,
+    /// In the order of their moves.
+    open: Vec<OpenGoal>,
+    /// The machine planned, or a cut was ahead, as it got the last request.
+    was_planning: bool,
     cut: Option<Cut>,
     /// Numbers of moves that a retarget has planned.
     planned: Vec<u32>,
@@ -171,7 +177,8 @@ impl ErrandSession<'_> {
             greeted: false,
             pause: 0,
             executed: None,
-            open: None,
+            open: Vec::new(),
+            was_planning: false,
             cut: None,
             planned: Vec::new(),
             tally: Errands {
@@ -227,6 +234,7 @@ impl ErrandSession<'_> {
             }
         }
         while let Some(bytes) = self.to_device.receive() {
+            self.was_planning = self.device.service.status().planning;
             let (mut requests, mut replies) = (Vec::new(), Vec::new());
             self.device.receive(
                 &bytes,
@@ -252,16 +260,17 @@ impl ErrandSession<'_> {
             return;
         }
         self.executed = Some(request.sequence);
-        // While a goal is planned, and until its cut, there is none of these.
+        // While a goal is planned, and until its cut, there is none of these but another goal in its place.
         match request.command {
+            _ if self.was_planning => {}
             Command::Move(Move { number, .. })
             | Command::Quintic(QuinticMove {
                 common: Move { number, .. },
                 ..
-            }) => self.goal_is_behind(number),
+            }) => self.goals_are_over(number),
             Command::Retarget(_) => {
                 let next = self.device.service.status().next;
-                self.goal_is_behind(next);
+                self.goals_are_over(next);
             }
             _ => {}
         }
@@ -271,7 +280,9 @@ impl ErrandSession<'_> {
             Command::Retarget(goal) => {
                 self.tally.goals += 1;
                 let Status { next, end, .. } = self.device.service.status();
-                self.open = Some(OpenGoal { goal, next, end });
+                self.tally.replaced += u64::from(self.was_planning);
+                self.open.retain(|open| open.next != next);
+                self.open.push(OpenGoal { goal, next, end });
             }
             Command::Hold => self.tally.holds += 1,
             Command::Stop => self.tally.stops += 1,
@@ -286,13 +297,13 @@ impl ErrandSession<'_> {
         if let Some(fault) = status.fault {
             panic!("session {}: {fault:?}", self.seed);
         }
-        if let Some(open) = &mut self.open
+        if let Some(open) = self.open.last_mut()
             && status.next <= open.next
         {
             (open.next, open.end) = (status.next, status.end);
             if status.refused.is_some() {
                 self.tally.refused_goals += 1;
-                self.open = None;
+                self.open.pop();
             }
         }
         let Some(cut) = status.cut.filter(|cut| self.cut != Some(*cut)) else {
@@ -306,7 +317,9 @@ impl ErrandSession<'_> {
             .cut(&cut)
             .unwrap_or_else(|why| panic!("session {}: {why}", self.seed));
         self.tally.slow_cuts += u64::from(self.checker.is_slow());
-        let open = self.open.take().expect("a goal");
+        // Those before it had another take their place.
+        self.open.retain(|open| open.next >= cut.next);
+        let open = self.open.remove(0);
         self.plan(&at, &open.goal, cut.next);
     }
 
@@ -319,12 +332,16 @@ impl ErrandSession<'_> {
         self.goal_is_behind(number + 1);
     }
 
-    /// The goal that is open was planned behind the moves, if there are moves of it before this number.
+    /// No goal is open any more: one was planned behind the moves if there are moves of it before this number.
+    fn goals_are_over(&mut self, number: u32) {
+        self.goal_is_behind(number);
+        self.open.clear();
+    }
+
+    /// The first goal that is open was planned behind the moves, if there are moves of it before this number.
     fn goal_is_behind(&mut self, number: u32) {
-        let Some(OpenGoal { goal, next, end }) = self.open.take() else {
-            return;
-        };
-        if number > next {
+        if self.open.first().is_some_and(|open| number > open.next) {
+            let OpenGoal { goal, next, end } = self.open.remove(0);
             self.tally.behind += 1;
             self.plan(&end.expect("a start"), &goal, next);
         }

@@ -9,12 +9,14 @@
 
 mod conversation;
 mod errands;
+mod follow;
 mod long_job;
 mod raster;
 mod slow_line;
 
 use conversation::{Conversation, Tally};
 use errands::{ErrandSession, Errands};
+use follow::follow_all;
 use slow_line::{SERIAL, USB, circles, play};
 use std::thread;
 use trirrr_tests::random::share;
@@ -71,6 +73,7 @@ fn run_errands(sessions: u64) {
     assert!(total.cuts > 5 * sessions, "few cuts");
     assert!(total.slow_cuts > sessions / 4, "few cuts at other paces");
     assert!(total.chains_cut > sessions, "few retargets cut another");
+    assert!(total.replaced > 0, "no goal took the place of another");
     assert!(total.behind > 0 && total.holds > 0 && total.stops > 0);
     assert!(total.damaged > 0);
 }
@@ -84,6 +87,27 @@ fn goals_cut_the_motion_at_any_time() {
 #[ignore = "takes minutes; cargo xtask nightly"]
 fn goals_cut_the_motion_ten_thousand_times() {
     run_errands(2000);
+}
+
+/// Circles of goals in motion: none freezes the machine, and the client ends where the machine stands.
+fn follow_circles(curves: u64, poses: u32) {
+    let total = follow_all(curves, poses);
+    println!("{total:?}");
+    assert_eq!(total.at_rest + total.short, total.curves);
+    // Everything that is there to be tested did happen.
+    assert!(total.moving > total.goals / 2 && total.cuts > total.goals / 4);
+    assert!(total.at_rest > 0 && total.short > 0 && total.holds > 0);
+}
+
+#[test]
+fn goals_in_motion_are_followed() {
+    follow_circles(4, 12);
+}
+
+#[test]
+#[ignore = "takes minutes; cargo xtask nightly"]
+fn twenty_thousand_goals_in_motion_are_followed() {
+    follow_circles(40, 125);
 }
 
 /// Moves of 10 ms, 16 ms each way: what an USB adapter makes of a serial line.

@@ -1,27 +1,34 @@
 //! From the tick to the loops, and back.
 
-use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use core::sync::atomic::{AtomicBool, AtomicU32, Ordering, fence};
 
-/// References of the joints from the tick, and what the loops measure. The loops preempt the tick, and neither waits.
+/// References of the joints from the tick, and what the loops measure. The loops preempt the tick, or run on another core, and neither
+/// waits.
 ///
-/// Of two places the tick writes the one that the loops do not read, and then turns the round: the loops never see half
-/// a reference.
+/// Each way has two places. The writer takes the one that is not read, and then turns the round: nobody sees half a reference, or half a
+/// measurement.
 #[derive(Debug)]
 pub struct LoopLine {
     places: [ReferencePlace; 2],
     /// Counts the ticks that gave references. Its last bit is the place to be read.
     round: AtomicU32,
     on: AtomicBool,
-    /// Counts the samples that were measured, and the measurements of the last.
+    measured: [MeasuredPlace; 2],
+    /// Counts the samples that were measured. Its last bit is the place to be read.
     sample: AtomicU32,
-    turns: [AtomicU32; 3],
-    torques: [AtomicU32; 3],
-    failed: [AtomicBool; 3],
 }
 
 /// References of three joints: angles in 2^-32 of a turn from count 0, the rest as the bits of binary32.
 #[derive(Debug)]
 struct ReferencePlace([[AtomicU32; 3]; 4]);
+
+/// Measurements of a sample, torques as the bits of binary32.
+#[derive(Debug)]
+struct MeasuredPlace {
+    turns: [AtomicU32; 3],
+    torques: [AtomicU32; 3],
+    failed: [AtomicBool; 3],
+}
 
 /// Reference of a joint, its angle counted from count 0 of its encoder.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -58,10 +65,14 @@ impl LoopLine {
             places: [const { ReferencePlace([const { [const { AtomicU32::new(0) }; 3] }; 4]) }; 2],
             round: AtomicU32::new(0),
             on: AtomicBool::new(false),
+            measured: [const {
+                MeasuredPlace {
+                    turns: [const { AtomicU32::new(0) }; 3],
+                    torques: [const { AtomicU32::new(0) }; 3],
+                    failed: [const { AtomicBool::new(false) }; 3],
+                }
+            }; 2],
             sample: AtomicU32::new(0),
-            turns: [const { AtomicU32::new(0) }; 3],
-            torques: [const { AtomicU32::new(0) }; 3],
-            failed: [const { AtomicBool::new(false) }; 3],
         }
     }
 
@@ -130,12 +141,15 @@ impl LoopLine {
     /// Gives the tick what was measured.
     #[inline(always)]
     pub(super) fn publish(&self, measured: &Measurements) {
-        put(&self.turns, measured.turns);
-        put(&self.torques, measured.torques.map(f32::to_bits));
-        for (place, failed) in self.failed.iter().zip(measured.failed) {
+        let next = self.sample.load(Ordering::Relaxed).wrapping_add(1);
+        let place = self.place(next);
+        // Whoever sees a word of this sample sees the count of the one before it.
+        fence(Ordering::Release);
+        put(&place.turns, measured.turns);
+        put(&place.torques, measured.torques.map(f32::to_bits));
+        for (place, failed) in place.failed.iter().zip(measured.failed) {
             place.store(failed, Ordering::Relaxed);
         }
-        let next = self.sample.load(Ordering::Relaxed).wrapping_add(1);
         self.sample.store(next, Ordering::Release);
     }
 
@@ -144,20 +158,27 @@ impl LoopLine {
     #[inline(always)]
     pub(super) fn measured(&self) -> (u32, Measurements) {
         let before = self.sample.load(Ordering::Acquire);
-        let measured = self.read();
+        let measured = self.read(before);
         let after = self.sample.load(Ordering::Acquire);
         match before == after {
             true => (before, measured),
-            false => (after, self.read()),
+            false => (after, self.read(after)),
         }
     }
 
     #[inline(always)]
-    fn read(&self) -> Measurements {
+    fn place(&self, sample: u32) -> &MeasuredPlace {
+        let [even, odd] = &self.measured;
+        if sample & 1 == 0 { even } else { odd }
+    }
+
+    #[inline(always)]
+    fn read(&self, sample: u32) -> Measurements {
+        let place = self.place(sample);
         Measurements {
-            turns: get(&self.turns),
-            torques: get(&self.torques).map(f32::from_bits),
-            failed: self
+            turns: get(&place.turns),
+            torques: get(&place.torques).map(f32::from_bits),
+            failed: place
                 .failed
                 .each_ref()
                 .map(|each| each.load(Ordering::Acquire)),
@@ -175,4 +196,56 @@ fn put(places: &[AtomicU32; 3], values: [u32; 3]) {
 #[inline(always)]
 fn get(places: &[AtomicU32; 3]) -> [u32; 3] {
     places.each_ref().map(|place| place.load(Ordering::Acquire))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::thread;
+
+    const SAMPLES: u32 = if cfg!(miri) { 200 } else { 20_000 };
+
+    /// One thread measures and takes references, the other gives references and takes measurements: each sees those of one moment, and
+    /// none older than before. Neither is overtaken: there is one sample at most while the other side reads, and one round.
+    #[test]
+    fn each_side_sees_the_words_of_one_moment() {
+        let (line, seen, taken) = (LoopLine::new(), AtomicU32::new(0), AtomicU32::new(0));
+        let measurements = |sample: u32| Measurements {
+            turns: [sample; 3],
+            torques: [sample as f32; 3],
+            failed: [sample % 2 == 1; 3],
+        };
+        let reference = |round: u32| Counted {
+            turn: round,
+            rate: round as f32,
+            acceleration: -(round as f32),
+            torque: 2.0 * round as f32,
+        };
+        thread::scope(|scope| {
+            scope.spawn(|| {
+                for sample in 1..=SAMPLES {
+                    while seen.load(Ordering::Acquire) + 1 < sample {
+                        thread::yield_now();
+                    }
+                    line.publish(&measurements(sample));
+                    let round = line.round();
+                    assert_eq!(line.references(round), [reference(round); 3]);
+                    assert!(round >= taken.load(Ordering::Relaxed));
+                    taken.store(round, Ordering::Release);
+                }
+            });
+            let (mut before, mut round) = (0, 0);
+            while before < SAMPLES {
+                let (sample, measured) = line.measured();
+                assert!(measured == measurements(sample) && sample >= before);
+                before = sample;
+                seen.store(sample, Ordering::Release);
+                if taken.load(Ordering::Acquire) == round {
+                    round += 1;
+                    line.give(&[reference(round); 3]);
+                }
+                thread::yield_now();
+            }
+        });
+    }
 }

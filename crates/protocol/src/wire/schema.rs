@@ -100,6 +100,12 @@ mod tests {
     use crate::wire::{decoded_length, encode, frame_length};
     use serde::Serialize;
 
+    #[test]
+    fn a_varint_has_seven_bits_a_byte() {
+        let lengths = [0, 0x7F, 0x80, 0x3FFF, 0x4000].map(varint_length);
+        assert_eq!(lengths, [1, 1, 2, 2, 3]);
+    }
+
     #[derive(Schema, Serialize)]
     struct Plain {
         a: u32,

@@ -52,6 +52,7 @@ fn messages() -> impl Strategy<Value = Message> {
 #[test]
 fn the_checksum_is_the_one_of_the_catalogue() {
     assert_eq!(CRC.checksum(b"123456789"), 0xCBF4_3926);
+    assert_eq!(checksum_of_bytes(b"123456789"), 0xCBF4_3926);
 }
 
 proptest! {

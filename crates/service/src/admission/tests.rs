@@ -40,6 +40,41 @@ fn judged(admission: &mut Admission<Dynamic<f32>>, offered: &Move<f32>) -> Verdi
     admission.verdict()
 }
 
+/// Without a limit on the motors rates and accelerations are computed all the same where they could leave the range.
+#[test]
+fn motors_out_of_range_are_refused_without_a_limit() {
+    let limits = Limits::build(&LimitParameters::default()).expect("good limits");
+    // A tick in which 50 mm ask for accelerations near the greatest that there is.
+    let mut admission: Admission<Dynamic<f32>> =
+        Admission::build(&example(), limits, Ramp::within(50, None), 6e-20)
+            .expect("a good machine");
+    let to = |dx: f64| Pose::from_f64(0.21 + dx, 0.22, 0.157_079_632_679_489_66);
+    let offered = |dx| Move {
+        to: to(dx),
+        ..thesis_move(1)
+    };
+    let Verdict::Refused(violation) = judged(&mut admission, &offered(0.05)) else {
+        panic!("{:?}", admission.verdict());
+    };
+    assert_eq!(violation.what, Bounded::Range);
+    assert_eq!(judged(&mut admission, &offered(0.001)), Verdict::Admitted);
+}
+
+/// On a machine of more than 8 m of links no size is so small that it need not be looked at.
+#[test]
+fn no_motion_of_a_large_machine_is_moderate() {
+    let moderate = |length_m: f64| {
+        let mut parameters = example();
+        for leg in &mut parameters.legs {
+            (leg.proximal_m, leg.distal_m) = (length_m, length_m);
+        }
+        let limits = Limits::build(&LimitParameters::default()).expect("good limits");
+        let path = Path::<Dynamic<f32>>::build(&parameters, limits, Ramp::within(50, None), 0.01);
+        path.expect("a good machine").moderate
+    };
+    assert_eq!([1.2, 1.5].map(moderate), [1_048_576.0, 0.0]);
+}
+
 #[test]
 fn a_verdict_stays_until_the_next_move_is_offered() {
     let mut admission = with_torque(0.2);

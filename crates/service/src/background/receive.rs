@@ -167,7 +167,6 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             | Command::Moves(_)
             | Command::Listed(_)
             | Command::OutputsAt(_)
-            | Command::Retarget(_)
                 if self.is_retargeting() =>
             {
                 Err(Refusal::Retargeting)

@@ -29,13 +29,17 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     #[inline(never)]
     fn aim_at(&mut self, goal: &Goal<N>) -> Result<(), Refusal<N>> {
         let state = self.status.state;
+        let moves = matches!(state, State::Running | State::Slowing | State::Holding);
+        let cuts = goal.cut && moves;
+        if self.is_retargeting() && !(cuts && self.may_replace_goal()) {
+            return Err(Refusal::Retargeting);
+        }
         let before = self.end_of_moves()?;
         let all = goal.velocity.iter().all(|value| value.is_finite());
         if !(is_pose(&goal.to) && all) {
             return Err(Refusal::NotFinite);
         }
-        let moves = matches!(state, State::Running | State::Slowing | State::Holding);
-        if goal.cut && moves && self.begin_splice(goal) {
+        if cuts && self.begin_splice(goal) {
             self.count_offer();
             return Ok(());
         }

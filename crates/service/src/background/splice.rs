@@ -3,11 +3,15 @@
 //! The background asks the tick for its place, plans from a place that lies as far ahead as the last plans took, and
 //! orders the cut. An order that comes too late is repeated from a place farther ahead; after some of them, and where the
 //! queued moves end before, the goal is planned behind these moves.
+//!
+//! A goal that comes while a cut is ahead takes its place. Where the machine moves the cut is soon done, and the goal is planned from
+//! behind it. Where the machine holds before the cut another chain begins at the same place: it is planned and proven while the
+//! machine could still go on along the old one, and the tick stands while the two are exchanged.
 
 use super::super::feed::FeedScale;
 use super::super::handoff::Ahead;
 use super::super::offered::Offered;
-use super::super::pace::RoomCount;
+use super::super::pace::{Room, RoomCount};
 use super::super::scene::Scene;
 use super::super::splice::{CHAIN, CutOrder, Optional, Place, SpliceOrder, SpliceReport};
 use super::Background;
@@ -44,6 +48,12 @@ enum Phase {
     Ordered,
     /// The cut is ahead.
     Ahead,
+    /// The cut is ahead, and another goal is to take its place.
+    Replacing,
+    /// Waits until the tick gives the chain of the cut ahead back.
+    Withdrawing,
+    /// Waits until the cut ahead is done: no chain begins there for the goal.
+    Following,
     /// Waits for room behind the moves.
     Behind,
 }
@@ -73,6 +83,10 @@ pub struct Retargeting<N: Number> {
     report: SpliceReport,
     /// Cut moves are still in the common queue.
     drains: bool,
+    /// A cut is ahead while the goal is worked on.
+    replaces: bool,
+    /// The tick has given the chain of that cut back, and waits.
+    withdrawn: bool,
 }
 
 impl<N: Number> Retargeting<N> {
@@ -98,6 +112,8 @@ impl<N: Number> Retargeting<N> {
             cuts: 0,
             report: SpliceReport::default(),
             drains: false,
+            replaces: false,
+            withdrawn: false,
         }
     }
 
@@ -115,8 +131,27 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         };
         retargeting.goal = *goal;
         retargeting.tries = 0;
-        retargeting.phase = Phase::Waiting;
+        retargeting.replaces = matches!(
+            retargeting.phase,
+            Phase::Ahead | Phase::Replacing | Phase::Following
+        );
+        retargeting.phase = match retargeting.replaces {
+            true => Phase::Replacing,
+            false => Phase::Waiting,
+        };
         true
+    }
+
+    /// Returns true if another goal may take the place of the one that is worked on: nothing is planned for it at present, and the wait
+    /// may be as long as a hold.
+    #[inline(always)]
+    pub(super) fn may_replace_goal(&self) -> bool {
+        self.retargeting.get().is_some_and(|work| {
+            matches!(
+                work.phase,
+                Phase::Ahead | Phase::Replacing | Phase::Following | Phase::Behind
+            )
+        })
     }
 
     /// Returns true while a retarget is planned, or its cut is ahead.
@@ -126,11 +161,19 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         self.aim.is_under_way() || splice.is_some_and(|splice| splice.phase != Phase::None)
     }
 
+    /// Name of the state of the retarget that cuts.
+    #[cfg(test)]
+    pub(crate) fn retarget_phase(&self) -> std::string::String {
+        let phase = self.retargeting.get().map(|work| work.phase);
+        std::format!("{phase:?}")
+    }
+
     /// Gives up a retarget whose moves were dropped.
     #[inline(always)]
     pub(super) fn drop_splice(&mut self) {
         if let Some(retargeting) = self.retargeting.get_mut() {
             retargeting.phase = Phase::None;
+            (retargeting.replaces, retargeting.withdrawn) = (false, false);
         }
     }
 
@@ -161,7 +204,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     pub(super) fn splice_step(&mut self) -> Option<bool> {
         let retargeting = self.retargeting.get()?;
         match retargeting.phase {
-            Phase::None | Phase::Ahead => None,
+            Phase::None | Phase::Ahead | Phase::Following => None,
             _ => self.splice_work(),
         }
     }
@@ -171,14 +214,28 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let retargeting = self.retargeting.get()?;
         let is_answered = retargeting.orders == retargeting.report.orders;
         match retargeting.phase {
-            Phase::None | Phase::Ahead => None,
+            Phase::None | Phase::Ahead | Phase::Following => None,
+            Phase::Replacing if self.status.state != State::Holding => None,
+            Phase::Replacing => {
+                let at = retargeting.at;
+                self.plan_from(at, 0)
+            }
+            Phase::Withdrawing if is_answered => {
+                let accepted = retargeting.report.accepted;
+                let retargeting = self.retargeting.get_mut()?;
+                retargeting.withdrawn = accepted;
+                match accepted {
+                    // Its queue, once it is empty.
+                    true => retargeting.chain = 1 - retargeting.chain.min(1),
+                    // The machine goes on: soon the cut is done.
+                    false => return self.follow(),
+                }
+                self.enter(Phase::Planning)
+            }
             Phase::Waiting => self.locate(),
             Phase::Locating if is_answered => self.choose_place(),
             Phase::Locating => None,
-            Phase::Planning => {
-                self.plan_chain();
-                Some(true)
-            }
+            Phase::Planning => Some(self.plan_chain()),
             Phase::Ordered if is_answered => {
                 match retargeting.report.accepted {
                     true => self.accept_chain(),
@@ -187,7 +244,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
                 Some(true)
             }
             // No move is admitted that the chain may replace.
-            Phase::Ordered => Some(false),
+            Phase::Ordered | Phase::Withdrawing => Some(false),
             Phase::Behind => {
                 let before = self.status.end?;
                 if self.room() == 0 {
@@ -227,17 +284,26 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         };
         let lead = match state {
             State::Running | State::Slowing => self.retargeting.get()?.lead,
-            // It stands there: from the next tick on the path.
-            State::Holding => 1,
+            // It stands there: from the next tick on the path, or from farther ahead where no motion begins there.
+            State::Holding => 1 << self.retargeting.get()?.tries,
             _ => return self.enter(Phase::Behind),
         };
-        let Some((at, offered, kept)) = self.offered.place_behind(from, lead) else {
-            return self.enter(Phase::Behind);
+        self.plan_from(from, lead)
+    }
+
+    /// Begins to plan from so many ticks behind a place.
+    fn plan_from(&mut self, from: Place, lead: u32) -> Option<bool> {
+        let place = self.offered.place_behind(from, lead);
+        let most = |kept| self.offered.capacity().saturating_sub(kept).min(CHAIN);
+        let Some((at, offered, most)) = place
+            .map(|(at, offered, kept)| (at, offered, most(kept)))
+            .filter(|(_, _, most)| *most != 0)
+        else {
+            return match self.retargeting.get()?.replaces {
+                true => self.follow(),
+                false => self.enter(Phase::Behind),
+            };
         };
-        let most = self.offered.capacity().saturating_sub(kept).min(CHAIN);
-        if most == 0 {
-            return self.enter(Phase::Behind);
-        }
         let ticks = offered.common.ticks;
         let start = Segment::new(&offered.ends(), ticks, self.settings.period).at(at.tick);
         let since = self.shared.tick.load(Ordering::Relaxed);
@@ -254,23 +320,36 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         self.enter(Phase::Planning)
     }
 
-    /// One step of the plan.
-    fn plan_chain(&mut self) {
+    /// One step of the plan. Returns whether there is more to do at once.
+    fn plan_chain(&mut self) -> bool {
         match self.aim.step(&self.coefficients.borrow().path) {
             Some(Retargeted::Undecided) => {}
-            Some(Retargeted::Planned(count)) if count != 0 => self.order_chain(count),
+            Some(Retargeted::Planned(count)) if count != 0 => return self.order_chain(count),
             Some(Retargeted::Refused(refusal)) => {
                 let from_there = matches!(refusal.blocked, Blocked::Start | Blocked::Stop);
                 let tries = self.retargeting.get().map_or(TRIES, |work| work.tries);
                 if from_there && tries < TRIES {
-                    return self.try_again();
+                    self.try_again();
+                    return true;
                 }
                 self.tell_refused(refusal.violation);
                 self.aim = Aiming::<N>::NONE;
+                let replaces = self.retargeting.get().is_some_and(|work| work.replaces);
                 self.drop_splice();
+                if replaces {
+                    // The goal before it counts.
+                    self.enter(Phase::Ahead);
+                }
             }
             _ => self.try_again(),
         }
+        true
+    }
+
+    /// Waits until the cut ahead is done, to plan from behind it.
+    fn follow(&mut self) -> Option<bool> {
+        self.aim = Aiming::<N>::NONE;
+        self.enter(Phase::Following)
     }
 
     /// Plans from farther ahead, or behind the moves.
@@ -279,6 +358,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let Some(retargeting) = self.retargeting.get_mut() else {
             return;
         };
+        if retargeting.replaces {
+            retargeting.phase = Phase::Following;
+            return;
+        }
         retargeting.lead = (2 * retargeting.lead).min(MOST_LEAD);
         retargeting.tries += 1;
         retargeting.phase = match retargeting.tries < TRIES {
@@ -294,38 +377,55 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         Offered::of_quintic(&planned)
     }
 
-    /// Queues the chain and orders the cut.
+    /// Queues the chain and orders the cut. Returns whether there is more to do at once.
     #[inline(never)]
-    fn order_chain(&mut self, count: usize) {
+    fn order_chain(&mut self, count: usize) -> bool {
         let first = self.status.next;
-        let measure = FeedScale::new(self.settings.ramp.ticks).room_measure();
+        let feed = FeedScale::new(self.settings.ramp.ticks);
+        let measure = feed.room_measure();
         let mut room = RoomCount::behind_any(&measure);
         // Of a chain that does not end at rest no move is the last at rest.
         let mut rests = self.status.done;
         let now = self.shared.tick.load(Ordering::Relaxed);
         for index in 0..count {
             let Some(offered) = self.planned_offer(index, first) else {
-                return self.try_again();
+                self.try_again();
+                return true;
             };
-            let queued = self.queued(&offered, self.aim.paces(index));
-            room.add_move(&queued.paces, queued.ticks, &measure);
+            let paces = self.aim.paces(index);
+            room.add_move(&paces, offered.common.ticks, &measure);
             if offered.common.ends_at_rest() {
-                rests = queued.number.wrapping_add(1);
+                rests = offered.common.number.wrapping_add(1);
             }
-            let (Some(retargeting), Some(splices)) =
-                (self.retargeting.get(), self.splices.get_mut())
-            else {
-                return;
-            };
-            if let Some(chain) = splices.chains.get_mut(retargeting.chain) {
-                chain.send(queued);
+        }
+        let ahead = Ahead {
+            room: room.room,
+            rests,
+        };
+        // The tick accepts no other.
+        if !ahead.rests_from(first) && !feed.can_start(|x| Room::NONE.left(&ahead.room, x)) {
+            self.try_again();
+            return true;
+        }
+        if let Some(more) = self.give_chain_back() {
+            return more;
+        }
+        for index in 0..count {
+            if let Some(offered) = self.planned_offer(index, first) {
+                let queued = self.queued(&offered, self.aim.paces(index));
+                if let (Some(retargeting), Some(splices)) =
+                    (self.retargeting.get(), self.splices.get_mut())
+                    && let Some(chain) = splices.chains.get_mut(retargeting.chain)
+                {
+                    chain.send(queued);
+                }
             }
         }
         let generation = self.generation;
         let (Some(retargeting), Some(splices)) =
             (self.retargeting.get_mut(), self.splices.get_mut())
         else {
-            return;
+            return false;
         };
         let took = now.wrapping_sub(retargeting.since);
         retargeting.lead = LEAST_LEAD + took.saturating_add(took / 2).min(MOST_LEAD);
@@ -339,13 +439,28 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         splices.orders.send(SpliceOrder::Cut(CutOrder {
             at: retargeting.at,
             first,
-            ahead: Ahead {
-                room: room.room,
-                rests,
-            },
+            ahead,
             chain: retargeting.chain,
             generation,
         }));
+        true
+    }
+
+    /// Has the tick give the chain of the cut ahead back, and waits until its queue is empty. None where that is so, or no cut is ahead;
+    /// else whether there is more to do at once.
+    fn give_chain_back(&mut self) -> Option<bool> {
+        let retargeting = self.retargeting.get_mut()?;
+        let splices = self.splices.get_mut()?;
+        if !retargeting.replaces {
+            return None;
+        }
+        if retargeting.withdrawn {
+            let waits = splices.chains.get(retargeting.chain)?.len() != 0;
+            return waits.then_some(false);
+        }
+        splices.orders.send(SpliceOrder::Withdraw);
+        retargeting.orders = retargeting.orders.wrapping_add(1);
+        self.enter(Phase::Withdrawing)
     }
 
     /// The tick has accepted the order: what is queued behind the place is not played any more.
@@ -376,6 +491,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         if let Some(retargeting) = self.retargeting.get_mut() {
             self.status.end = Some(retargeting.target());
             retargeting.phase = Phase::Ahead;
+            (retargeting.replaces, retargeting.withdrawn) = (false, false);
             retargeting.chain = 1 - retargeting.chain.min(1);
         }
     }
@@ -408,6 +524,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         };
         retargeting.cuts = cuts;
         retargeting.phase = Phase::None;
+        if retargeting.replaces {
+            retargeting.replaces = false;
+            retargeting.phase = Phase::Waiting;
+            self.aim = Aiming::<N>::NONE;
+        }
         retargeting.drains = true;
         let Place { number, tick: at } = retargeting.at;
         let next = retargeting.first;

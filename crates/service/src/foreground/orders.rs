@@ -100,7 +100,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     }
 
     fn start(&mut self) -> bool {
-        let full = self.moves.is_full();
+        let full = self.gets_no_more();
         let ahead = self.ahead();
         let room = |x: usize| self.passed.room.left(&ahead.room, x);
         let enough = ahead.rests_from(self.begun) || self.feed.is_enough(0, room);

@@ -147,12 +147,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                     }
                     return faster;
                 }
-                if !self.moves.is_full() {
+                if !self.gets_no_more() {
                     self.transition_to(State::Slowing, Acting::QueueDry);
                 } else if let steady = self.feed.steady()
                     && self.reaches(steady)
                 {
-                    // More does not fit in: as fast as what there is allows.
                     return steady;
                 }
             }
@@ -224,13 +223,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     }
 
     /// Returns `true` if there is enough to leave a hold for. Enough is room for a ramp down from the pace that the host asks
-    /// for, or all that the queue can hold.
+    /// for, or all that can come.
     fn has_enough(&self) -> bool {
         let part = self.position.part;
-        self.moves.is_full()
-            || self
-                .room()
+        let enough = || {
+            self.room()
                 .is_none_or(|room| self.feed.is_enough(part, room))
+        };
+        !self.waits_for_chain() && (self.gets_no_more() || enough())
     }
 
     /// Over the end of a move into the next, or to the end of the path. At most one end lies in a

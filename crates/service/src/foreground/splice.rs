@@ -9,7 +9,7 @@ use crate::number::ServiceNumber;
 use trirrr_protocol::message::State;
 
 impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
-    /// Drops moves that were cut, one of each queue, and takes an order.
+    /// Drops a move of the common queue that was cut, and takes an order.
     #[inline]
     pub(super) fn take_splice(&mut self) {
         let Some(splices) = self.splices.get_mut() else {
@@ -30,8 +30,16 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     #[inline(never)]
     fn obey_splice(&mut self, order: SpliceOrder) {
         self.unreported = true;
-        let SpliceOrder::Cut(cut) = order else {
-            return;
+        let cut = match order {
+            SpliceOrder::Locate => return,
+            SpliceOrder::Cut(cut) => cut,
+            SpliceOrder::Withdraw => {
+                let stands = self.state == State::Holding && self.feed.is_at_rest();
+                if let Some(splices) = self.splices.get_mut() {
+                    splices.withdraw(stands);
+                }
+                return;
+            }
         };
         let accepted = self.is_in_time(&cut);
         if let Some(splices) = self.splices.get_mut() {
@@ -44,13 +52,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
     }
 
-    /// Returns true if the cut is still ahead, and the path can come to rest on the chain.
+    /// Returns true if the cut is still ahead, and the path can come to rest on the chain and get there from wherever it stands: until
+    /// it is there nobody gives more.
     fn is_in_time(&self, cut: &CutOrder) -> bool {
         let moves = matches!(self.state, State::Running | State::Slowing | State::Holding);
-        let is_first = self
-            .splices
-            .get()
-            .is_some_and(|all| all.pending().is_none());
+        let Some(splices) = self.splices.get() else {
+            return false;
+        };
+        let is_first = splices.pending().is_none() || splices.is_withdrawn();
         let Place { number, tick } = cut.at;
         let is_ahead = match number.wrapping_sub(self.number()) as i32 {
             0 => self.position.tick < tick,
@@ -60,7 +69,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         let stops = || {
             let room = |x: usize| Room::NONE.left(&cut.ahead.room, x);
             let part = self.position.part;
-            self.feed.can_stop(self.feed.steady(), part, room)
+            self.feed.can_stop(self.feed.steady(), part, room) && self.feed.can_start(room)
         };
         moves
             && is_first
@@ -91,6 +100,28 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         self.splices
             .get()
             .is_some_and(|all| all.pending().is_some())
+    }
+
+    /// Returns true while no move can come: the queue is full, or a cut is ahead, before which none is taken. Then the path goes as fast
+    /// as what there is allows.
+    pub(super) fn gets_no_more(&self) -> bool {
+        let chain = self.splices.get().map_or(0, |all| all.len());
+        self.is_cut_ahead() || self.moves.len() + chain >= self.moves.capacity()
+    }
+
+    /// Cut that is ahead: none, one, or one whose chain was given back.
+    #[cfg(test)]
+    pub(crate) fn cut_ahead(&self) -> &'static str {
+        match (self.is_cut_ahead(), self.waits_for_chain()) {
+            (false, _) => "no cut",
+            (_, false) => "cut",
+            _ => "withdrawn",
+        }
+    }
+
+    /// Returns true while the path waits for another chain in place of one that was given back.
+    pub(super) fn waits_for_chain(&self) -> bool {
+        self.splices.get().is_some_and(|all| all.is_withdrawn())
     }
 
     /// Changes over to the chain where the move under way is cut. Returns false if it is not.

@@ -76,6 +76,12 @@ impl<'q, N: ServiceNumber> LevelPlayer<'q, N> {
         }
     }
 
+    /// Returns true if the move under way has levels.
+    #[cfg(test)]
+    pub(crate) fn has_levels(&self) -> bool {
+        self.current.is_some()
+    }
+
     fn drop_front(&mut self) {
         if let Some(list) = self.lists.receive() {
             self.release(&list);

@@ -395,6 +395,44 @@ fn a_job_is_left_where_the_door_was_opened() {
     assert_eq!(status.interrupted, Some(place));
 }
 
+/// A job that holds for want of moves holds for the door, too: moves that come while it is open do not lead on, nor do they once it is
+/// closed.
+#[test]
+fn a_dry_hold_behind_an_open_door_waits_for_the_host() {
+    let mut guarded = Guarded {
+        bench: Bench::set(scene(StopCategory::Off), home(), settings()),
+        readings: InterlockReadings::default(),
+    };
+    let (middle, end) = (pose(0.25, 0.25, 0.18), pose(0.28, 0.28, 0.2));
+    let end_velocity = [0.02, 0.02, 0.0];
+    guarded.bench.offer(Move {
+        end_velocity,
+        ..rest(0, home(), middle, 60)
+    });
+    guarded.bench.done(Command::Start);
+    guarded.until(State::Holding);
+    assert_eq!(guarded.bench.status().acting, Acting::QueueDry);
+    guarded.open(true);
+    guarded.tick();
+    assert_eq!(guarded.bench.status().acting, Acting::Door);
+    guarded.bench.offer(Move {
+        start_velocity: end_velocity,
+        ..rest(1, middle, end, 60)
+    });
+    guarded.ticks(20);
+    assert_eq!(guarded.bench.state(), State::Holding);
+    guarded.open(false);
+    guarded.ticks(20);
+    let status = guarded.bench.status();
+    assert_eq!(
+        (status.state, status.acting),
+        (State::Holding, Acting::Door)
+    );
+    guarded.bench.done(Command::Resume);
+    guarded.until(State::Idle);
+    assert_eq!(guarded.bench.status().done, 2);
+}
+
 #[test]
 fn nothing_starts_behind_an_open_door() {
     let mut guarded = running(StopCategory::Off);

@@ -17,6 +17,7 @@ mod reactions;
 mod retarget;
 mod scene;
 mod sequence;
+mod shared;
 mod splice;
 mod states;
 mod threads;

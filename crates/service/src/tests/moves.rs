@@ -217,6 +217,56 @@ fn a_full_queue_refuses_and_goes_on_when_there_is_room() {
     assert_eq!(bench.status().done, 8);
 }
 
+/// All that the queue holds is less than a ramp takes: the machine starts, and leaves each hold, as fast as that allows.
+#[test]
+fn a_full_queue_of_short_moves_is_played_slowly() {
+    let settings = Settings {
+        ramp: Ramp::within(50, None),
+        ..settings()
+    };
+    let mut bench = Bench::<Thesis<f64>>::set(
+        Adjustable::new(example(), LimitParameters::default()),
+        home(),
+        settings,
+    );
+    let (mut from, mut start, mut holds) = (home(), [0.0; 3], 0);
+    for number in 0..40 {
+        let end = if number < 39 {
+            [0.002, 0.0, 0.0]
+        } else {
+            [0.0; 3]
+        };
+        let to = pose(
+            from.position.x + 0.5 * PERIOD_S * (start[0] + end[0]),
+            0.22,
+            0.157,
+        );
+        bench.offer(moving(number, from, to, [start, end], 1));
+        (from, start) = (to, end);
+        if number < 6 {
+            assert_eq!(bench.refused(Command::Start), Refusal::EndsMoving);
+        }
+        if number == 6 {
+            bench.done(Command::Start);
+        }
+        for _ in 0..12 * u32::from(number >= 6) {
+            bench.tick();
+            holds += u32::from(bench.state() == State::Holding);
+        }
+        for _ in 0..1000 {
+            if number >= 6 && bench.status().room == 0 {
+                bench.tick();
+            }
+        }
+    }
+    assert!(holds > 0);
+    bench.until(State::Idle);
+    assert_eq!(
+        (bench.status().done, bench.status().end.unwrap().pose),
+        (40, from)
+    );
+}
+
 #[test]
 fn start_says_what_it_waits_for() {
     let mut bench = Bench::<Thesis<f64>>::new();

@@ -1,6 +1,7 @@
 //! Retargets that cut the motion under way.
 
 use super::*;
+use trirrr_core::number::WideArithmetic;
 use trirrr_core::setpoint::{Segment, Setpoint};
 use trirrr_protocol::message::{Acting, AnyMove, Cut, Goal, QuinticMove};
 
@@ -198,7 +199,6 @@ fn a_held_machine_goes_to_the_goal_once_it_is_resumed() {
     }
     assert_eq!(bench.state(), State::Holding);
     assert_eq!(bench.status().cut, None);
-    assert_eq!(bench.refused(goal(there(), [0.0; 3])), Refusal::Retargeting);
     bench.done(Command::Resume);
     let setpoints = played(&mut bench, State::Idle);
     assert_eq!(setpoints.last().map(|last| last.pose), Some(back()));
@@ -211,6 +211,105 @@ fn a_held_machine_goes_to_the_goal_once_it_is_resumed() {
             next: 1
         }
     );
+}
+
+/// Ticks with all the background work that there is.
+fn work(bench: &mut Bench<Thesis<f64>>, ticks: u32) {
+    for _ in 0..ticks {
+        while bench.service.step() {}
+        bench.tick();
+        bench.ask(Command::Status);
+    }
+}
+
+/// A held machine takes one goal in place of the other, as often as it is given one: it goes to the last of them from where it stands. One
+/// without a motion is refused, and the one before it counts.
+#[test]
+fn a_held_machine_goes_to_the_last_of_its_goals() {
+    let mut bench = under_way::<f64>(100);
+    bench.done(Command::Hold);
+    played(&mut bench, State::Holding);
+    let place = bench.telemetry[bench.telemetry.len() - 1].at;
+    let last = pose(0.24, 0.22, 0.12);
+    for to in [back(), there(), pose(0.26, 0.24, 0.1), last] {
+        bench.done(goal(to, [0.0; 3]));
+        // While it is planned there is no other in its place.
+        bench.service.step();
+        assert_eq!(bench.refused(goal(back(), [0.0; 3])), Refusal::Retargeting);
+        work(&mut bench, 40);
+        assert_eq!(bench.status().end.map(|end| end.pose), Some(to));
+    }
+    bench.done(goal(pose(1.0, 0.2, 0.1), [0.0; 3]));
+    work(&mut bench, 40);
+    let status = bench.status();
+    assert!(status.refused.is_some() && status.planning);
+    assert_eq!((status.state, status.cut), (State::Holding, None));
+    assert_eq!(status.end.map(|end| end.pose), Some(last));
+    bench.done(Command::Resume);
+    let setpoints = played(&mut bench, State::Idle);
+    assert_eq!(setpoints.last().map(|last| last.pose), Some(last));
+    let status = bench.status();
+    let cut = status.cut.expect("a cut");
+    assert_eq!((cut.number, cut.at), (0, place + 1));
+    assert_eq!(status.done, status.next);
+}
+
+/// A goal in motion, nearer than the machine could stop from normal pace: five ticks ahead, where the motion itself leads to. The machine
+/// gets there slowly, and waits on the chain for the next.
+#[test]
+fn a_near_goal_in_motion_does_not_freeze_a_held_machine() {
+    let mut bench = under_way::<f64>(140);
+    bench.done(Command::Hold);
+    played(&mut bench, State::Holding);
+    let place = bench.telemetry[bench.telemetry.len() - 1].at;
+    let offered = rest(0, home(), there(), 300);
+    let offered = crate::offered::Offered::<f64, trirrr_core::setpoint::Quintics>::cubic(&offered);
+    let ahead = Segment::new(&offered.ends(), 300, f64::factor_from_f64(PERIOD_S)).at(place + 6);
+    bench.done(goal(ahead.pose, ahead.velocity.into()));
+    work(&mut bench, 20);
+    bench.done(Command::Resume);
+    work(&mut bench, 200);
+    let status = bench.status();
+    assert_eq!(
+        (status.state, status.acting),
+        (State::Holding, Acting::QueueDry)
+    );
+    assert!(!status.planning && status.cut.is_some(), "{status:?}");
+    bench.done(goal(back(), [0.0; 3]));
+    let setpoints = played(&mut bench, State::Idle);
+    assert_eq!(setpoints.last().map(|last| last.pose), Some(back()));
+}
+
+/// A goal that comes while the machine moves towards a cut is planned from behind it.
+#[test]
+fn a_goal_takes_the_place_of_one_whose_cut_is_ahead() {
+    for hold in [false, true] {
+        for wait in 0..12 {
+            let mut bench = under_way::<f64>(100);
+            bench.done(goal(there(), [0.02, 0.01, 0.0]));
+            for _ in 0..wait {
+                while bench.service.step() {}
+                bench.tick();
+            }
+            if hold {
+                bench.done(Command::Hold);
+            }
+            while bench.ask(goal(back(), [0.0; 3])) != Reply::Done {
+                work(&mut bench, 1);
+            }
+            work(&mut bench, 60);
+            if hold {
+                bench.done(Command::Resume);
+            }
+            let mut setpoints = played(&mut bench, State::Idle);
+            setpoints.dedup_by(|a, b| a == b);
+            assert_eq!(
+                setpoints.last().map(|last| last.pose),
+                Some(back()),
+                "{wait} {hold}"
+            );
+        }
+    }
 }
 
 /// A hold that begins just before the cut leads over it.

@@ -10,16 +10,14 @@ use trirrr_protocol::message::MessageRef;
 /// chain comes out in its own bits wherever the machine did not wait for the talker.
 #[test]
 fn the_halves_need_nothing_but_their_queues() {
-    let channels: Channels<Thesis<f64>, 8, 4096> = Channels::new();
+    let mut channels = Box::new(Channels::<Thesis<f64>, 8, 4096>::new());
     let scene = Adjustable::new(example(), LimitParameters::default());
     let settings = Settings {
         // The talker may be put aside for longer than any number of ticks.
         host_timeout_ticks: 0,
         ..settings()
     };
-    let (mut foreground, mut background) = Box::leak(Box::new(channels))
-        .split(scene, home(), settings)
-        .unwrap();
+    let (mut foreground, mut background) = channels.split(scene, home(), settings).unwrap();
     let (moves, expected) = (chain::<f64>(), expected::<f64>());
     let over = AtomicBool::new(false);
     thread::scope(|scope| {

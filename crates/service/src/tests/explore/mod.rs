@@ -1,14 +1,15 @@
 //! All states of the service that a model of its commands reaches: every command is survivable, and from each state a way leads out.
 //!
 //! The search is breadth first. Each state is reached anew by the shortest list of acts that leads to it, on a service of its own, and every act is
-//! tried from there. States that a host and the outputs cannot tell apart are one. Six machines are explored: one without anything more, one that has
-//! to be homed, one that plays power lists, one whose drives tell where they are and feel contacts, one with an emergency stop and a door, and one
+//! tried from there. States that a host and the outputs cannot tell apart are one. Seven machines are explored: one without anything more, one that is
+//! sent to goals in motion, one that has to be homed, one that plays power lists, one whose drives tell where they are and feel contacts, one with an emergency stop and a door, and one
 //! with a probe and limit switches.
 
 mod guarded;
 mod homed;
 mod listed;
 mod measured;
+mod moving;
 mod plain;
 mod touching;
 
@@ -19,7 +20,8 @@ use std::format;
 use std::string::String;
 use trirrr_protocol::message::scene::{Section, SectionName};
 use trirrr_protocol::message::{
-    AnyMove, DriveFault, FaultCode, Goal, LEVEL_PARTS, LevelPiece, LevelRange, ListedMove, Recovery,
+    Acting, AnyMove, DriveFault, FaultCode, Goal, LEVEL_PARTS, LevelPiece, LevelRange, ListedMove,
+    Recovery,
 };
 
 /// Ticks that an accepted command is watched for.
@@ -59,7 +61,12 @@ enum Ask {
     RecoverFar,
     Offer,
     OfferMoving,
+    /// A goal at rest, by a cut.
     Retarget,
+    /// A goal in motion, by a cut; a little way ahead, less than it takes to stop.
+    RetargetMoving {
+        near: bool,
+    },
     /// Levels, behind those given.
     Levels,
     /// A move with the last levels given.
@@ -159,6 +166,14 @@ trait Explored: Sized {
                 ..rest(status.next, from, there, 60)
             })
         };
+        let goal = |to, velocity, least_ticks| {
+            Command::Retarget(Goal {
+                to,
+                velocity,
+                cut: true,
+                least_ticks,
+            })
+        };
         match ask {
             Ask::Enable => Command::Enable,
             Ask::Disable => Command::Disable,
@@ -179,12 +194,12 @@ trait Explored: Sized {
             }),
             Ask::Offer => offer([0.0; 3]),
             Ask::OfferMoving => offer([0.02, 0.01, 0.0]),
-            Ask::Retarget => Command::Retarget(Goal {
-                to: there,
-                velocity: [0.0; 3],
-                cut: true,
-                least_ticks: 0,
-            }),
+            Ask::Retarget => goal(there, [0.0; 3], 0),
+            Ask::RetargetMoving { near: false } => goal(there, [0.02, 0.01, 0.0], 0),
+            Ask::RetargetMoving { near: true } => {
+                let at = self.bench().service.foreground.pose.position;
+                goal(pose(at.x + 2e-3, at.y + 1e-3, 0.16), [0.05, 0.025, 0.0], 4)
+            }
             Ask::Levels => Command::Levels(LevelPiece::new(self.next_level(), &[90; 60])),
             Ask::Listed => {
                 let range = LevelRange {
@@ -344,6 +359,27 @@ trait Explored: Sized {
         false
     }
 
+    /// The documented way of a motion to its goal, where all around the machine is as it should be: a hold is resumed, plans and cuts end by
+    /// themselves, and where the machine waits for moves another goal leads on. No stop is needed. Returns false if it does not get there.
+    fn goes_on(&mut self) -> bool {
+        self.mend();
+        for _ in 0..60 {
+            let status = self.bench().status();
+            let command = match status.state {
+                State::Running => Command::Status,
+                State::Slowing | State::Holding if status.acting != Acting::QueueDry => {
+                    Command::Resume
+                }
+                State::Holding if !status.planning => self.command(Ask::Retarget),
+                State::Slowing | State::Holding => Command::Status,
+                _ => return true,
+            };
+            self.bench().ask(command);
+            self.watched(25);
+        }
+        false
+    }
+
     /// The documented way to drives that are off, whatever is wrong around the machine. Returns false if it leads to none.
     fn goes_off(&mut self) -> bool {
         for _ in 0..60 {
@@ -439,6 +475,10 @@ fn explore<M: Explored>(depth: Option<usize>) -> Extent {
         };
         if !machine.leaves() {
             lost("Idle", &mut machine);
+        }
+        machine = reached(&acts);
+        if !machine.goes_on() {
+            lost("a goal", &mut machine);
         }
         machine = reached(&acts);
         if !machine.goes_off() {
