@@ -198,6 +198,37 @@ fn commands_that_wait_are_dropped_where_the_drives_go_off() {
     assert_eq!(bus.carry(), idle());
 }
 
+/// Three orders to go off at least; then a drive is asked once it says anew that it is off. One that prepares to go on, or that was
+/// off some time ago, has not said so.
+#[test]
+fn drives_are_told_to_stop_until_they_say_anew_that_they_have() {
+    const PREPARING: u8 = 3;
+    // State that the drives tell in the first ticks of these, and orders to go off in 20 ticks.
+    for (state, heard, orders) in [
+        (IDLE, 20, 3),
+        (PREPARING, 20, 20),
+        (IDLE, 1, 20),
+        (CLOSED_LOOP, 20, 20),
+    ] {
+        let bus = Mailboxes::default();
+        let mut drives = drives::<f32>(&bus, [1.0, 1.0], Absolute::Joint);
+        hear(&bus, IDLE, [0, 1, 2].map(at_start));
+        drives.measure();
+        drives.apply(&standing(Power::On)).unwrap();
+        bus.carry();
+        let mut told = 0;
+        for tick in 0..20 {
+            if tick < heard {
+                hear(&bus, state, [0, 1, 2].map(at_start));
+            }
+            drives.measure();
+            drives.apply(&standing(Power::Off)).unwrap();
+            told += i32::from(bus.carry() == idle());
+        }
+        assert_eq!(told, orders, "{state} heard {heard} times");
+    }
+}
+
 /// A board that has started anew while its drives were on finds them so, and tells them to stop. One that finds them
 /// calibrate themselves leaves them alone.
 #[test]
