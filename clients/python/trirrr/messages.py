@@ -138,6 +138,7 @@ DriveFault = Enum(
     Silent=None,
     NotOn=None,
     Stalled=None,
+    Restarted=None,
 )
 
 FaultCode = Enum(
@@ -680,6 +681,7 @@ DriveReading = Struct(
     supply_mv=U32,
     age=U16,
     state_age=U16,
+    restarts=BYTE,
 )
 
 DriveSample = Struct(
@@ -695,6 +697,7 @@ NotEnabled = Enum(
     NoPose=None,
     ManyPoses=None,
     Singular={"what": Bounded, "leg": Optional(BYTE), "value": N, "limit": N},
+    Restarted={"angles": array(Optional(ANGLE), 3)},
 )
 
 InputState = Enum(

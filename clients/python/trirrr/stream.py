@@ -173,11 +173,12 @@ class Stream:
         self._feed = percent
 
     def recover(self, seconds: float, pause: float) -> None:
-        """Acknowledges a latched fault, and takes ``seconds`` to move the motors to where they are at
+        """Acknowledges a latched fault, or why the drives did not go on, and takes ``seconds`` to move the motors to where they are at
         the start of the job. A machine that is not homed after that is left to be homed. Looks every
         ``pause`` seconds."""
         status = self._wait_while(_is_on_the_way, pause)
-        if status.fault is not None:
+        refused = status.not_enabled if status.state.name == "Disabled" else None
+        if status.fault is not None or refused is not None and words.wants_acknowledgement(refused):
             self._insist(Command.ClearFault(), pause)
             # The tick has to hear of it.
             self._wait_while(lambda status: status.fault is not None, pause)

@@ -46,6 +46,9 @@ _NOT_ENABLED = {
     "NoPose": "the joints stand at no pose of the scene: move the platform by hand, or look at zero_rad of the drives",
     "ManyPoses": "the joints stand at more than one pose of the scene: move the platform towards its start",
     "Singular": "too near to a singularity: {value:.4g}, the least allowed is {limit:.4g}",
+    "Restarted": "restarted or silent while the machine stayed on: {drives}; {joints}, or whole turns of the rotor elsewhere. "
+    "Compare with the machine. Where the angles are true, acknowledge them by ClearFault (clear_fault(), --recover); else turn the "
+    "joints there by hand with the drives off, and restart the board at the start of the job",
 }
 
 _DRIVE = {
@@ -57,6 +60,7 @@ _DRIVE = {
     "Silent": "drive {number} was silent for {value:.4g} of its timeout",
     "NotOn": "drive {number} is not on, though it should be",
     "Stalled": "drive {number} signals that its motor stalls",
+    "Restarted": "drive {number} has restarted, and may have lost turns of its rotor",
 }
 
 
@@ -245,12 +249,21 @@ def firmware(build: Any) -> str:
     return f"{version}, {source}, board {board}, chip {chip}"
 
 
+def wants_acknowledgement(found: Any) -> bool:
+    """Whether a ``ClearFault`` has to come before the next ``Enable``."""
+    return found.name == "Restarted" or found.name == "Drive" and found.content["error"] != 0
+
+
 def not_enabled(found: Any) -> str:
     """Why the drives were not switched on."""
     fields = dict(found.content or {})
     fields["number"] = fields.pop("motor", -1) + 1
     if "state" in fields:
         fields["state"] = fields["state"].name
+    if "angles" in fields:
+        known = [(number, angle) for number, angle in enumerate(fields["angles"], 1) if angle is not None]
+        fields["drives"] = ", ".join(f"drive {number}" for number, _ in known)
+        fields["joints"] = ", ".join(f"joint {number} is taken to be at {angle:.4g} rad" for number, angle in known)
     return _NOT_ENABLED[found.name].format(**fields)
 
 

@@ -198,6 +198,37 @@ fn commands_that_wait_are_dropped_where_the_drives_go_off() {
     assert_eq!(bus.carry(), idle());
 }
 
+/// Three orders to go off at least; then a drive is asked once it says anew that it is off. One that prepares to go on, or that was
+/// off some time ago, has not said so.
+#[test]
+fn drives_are_told_to_stop_until_they_say_anew_that_they_have() {
+    const PREPARING: u8 = 3;
+    // State that the drives tell in the first ticks of these, and orders to go off in 20 ticks.
+    for (state, heard, orders) in [
+        (IDLE, 20, 3),
+        (PREPARING, 20, 20),
+        (IDLE, 1, 20),
+        (CLOSED_LOOP, 20, 20),
+    ] {
+        let bus = Mailboxes::default();
+        let mut drives = drives::<f32>(&bus, [1.0, 1.0], Absolute::Joint);
+        hear(&bus, IDLE, [0, 1, 2].map(at_start));
+        drives.measure();
+        drives.apply(&standing(Power::On)).unwrap();
+        bus.carry();
+        let mut told = 0;
+        for tick in 0..20 {
+            if tick < heard {
+                hear(&bus, state, [0, 1, 2].map(at_start));
+            }
+            drives.measure();
+            drives.apply(&standing(Power::Off)).unwrap();
+            told += i32::from(bus.carry() == idle());
+        }
+        assert_eq!(told, orders, "{state} heard {heard} times");
+    }
+}
+
 /// A board that has started anew while its drives were on finds them so, and tells them to stop. One that finds them
 /// calibrate themselves leaves them alone.
 #[test]
@@ -440,6 +471,91 @@ fn a_homing_shifts_the_angles_and_moves_nothing() {
     hear(&bus, CLOSED_LOOP, [before[0], before[1], before[2]]);
     for (reading, shifted) in drives.measure().iter().zip(shifted) {
         assert!(wrapped(f64::from(reading.angle) - shifted[0]).abs() < 5e-6);
+    }
+}
+
+/// Drives by their kinds: turns that one has lost at once, or behind a gap, and those that the board is off afterwards.
+#[test]
+fn positions_that_jump_or_were_missing_are_a_restart() {
+    use Absolute::{Joint, Nothing, Rotor};
+    // (kind, ticks without a position, turns lost, restarts, turns that the board is off)
+    let cases = [
+        (Rotor, 0, 1.0, 1, 0.0),
+        (Rotor, 0, -3.0, 1, 0.0),
+        (Rotor, 0, 0.6, 1, -0.4),
+        (Rotor, 0, 0.4, 0, 0.4),
+        (Rotor, 9, 0.0, 0, 0.0),
+        (Rotor, 10, 0.0, 1, 0.0),
+        (Rotor, 10, 2.0, 1, 0.0),
+        (Rotor, 5000, -1.0, 1, 0.0),
+        // More ticks than an age counts.
+        (Rotor, 70_000, 1.0, 1, 0.0),
+        (Nothing, 0, 7.3, 1, 0.0),
+        (Nothing, 500, 0.3, 1, 0.0),
+        // It knows the joint, and says so anew.
+        (Joint, 500, 0.0, 0, 0.0),
+        (Joint, 0, 1.0, 1, 1.0),
+        (Joint, 500, -1.0, 1, -1.0),
+    ];
+    for (absolute, gap, lost, restarts, off) in cases {
+        for sign in [1.0, -1.0] {
+            let bus = Mailboxes::default();
+            let mut drives = drives::<f32>(&bus, [1.0, 1.0], absolute);
+            let mut place = [0, 1, 2].map(at_start);
+            hear(&bus, IDLE, place);
+            let [_, before, _] = drives.measure();
+            for _ in 0..gap {
+                drives.measure();
+            }
+            place[1] += sign * lost;
+            hear(&bus, IDLE, place);
+            let [first, now, _] = drives.measure();
+            let case = format!("{absolute:?} {gap} {lost}");
+            // The gap is one of all drives.
+            let of_first = u8::from(gap > 9 && absolute != Joint);
+            assert_eq!(
+                (first.restarts, now.restarts),
+                (of_first, restarts),
+                "{case}"
+            );
+            let moved = wrapped(f64::from(now.angle) - f64::from(before.angle));
+            let wanted = sign * off * SIGNS[1] * TAU / GEAR;
+            assert!((moved - wanted).abs() < 1e-5, "{case}: {moved}");
+            // It stands, and goes on from there.
+            hear(&bus, IDLE, place);
+            drives.measure();
+            place[1] += 0.1;
+            hear(&bus, IDLE, place);
+            let [_, later, _] = drives.measure();
+            let moved = wrapped(f64::from(later.angle) - f64::from(now.angle));
+            assert!((moved - 0.1 * SIGNS[1] * TAU / GEAR).abs() < 1e-5, "{case}");
+            assert_eq!(later.restarts, restarts, "{case}");
+        }
+    }
+}
+
+/// Up to several turns of the rotor from one message to the next, slowly up and down again: no restart. One turn more is one.
+#[test]
+fn a_rotor_that_turns_fast_has_not_restarted() {
+    for every in [1, 7] {
+        let bus = Mailboxes::default();
+        let mut drives = drives::<f32>(&bus, [1.0, 1.0], Absolute::Rotor);
+        let mut place = [0, 1, 2].map(at_start);
+        hear(&bus, IDLE, place);
+        drives.measure();
+        for message in 0..60 {
+            let pace = 0.15 * f64::from(30 - i32::abs(30 - message));
+            place = place.map(|turns| turns + pace);
+            for _ in 1..every {
+                drives.measure();
+            }
+            hear(&bus, IDLE, place);
+            let [.., reading] = drives.measure();
+            assert_eq!(reading.restarts, 0, "{message}");
+        }
+        place[2] -= 1.0;
+        hear(&bus, IDLE, place);
+        assert_eq!(drives.measure().map(|each| each.restarts), [0, 0, 1]);
     }
 }
 

@@ -245,6 +245,47 @@ fn no_step_is_lost_when_ticks_are_early_or_drives_go_off() {
     assert_eq!(motors.position[1..], [0, 0]);
 }
 
+/// A tick without slots, and the next one in the same direction: all pulses come, as even as those of a longer way.
+#[test]
+fn missing_pulses_are_spread_over_the_next_tick() {
+    let slots_of_tick = slots_per_tick(MOST);
+    for sign in [1.0, -1.0] {
+        let (line, scope) = (Line::new(), Scope::default());
+        let mut tick = steppers::<f64>(&line);
+        let mut slots = drivers(&line, &scope, Active::Low);
+        let mut motors = Motors::new();
+        let microstep = TAU / (f64::from(PER_TURN) * GEAR);
+        let mut go = |steps: f64, count: u32| {
+            let at = |leg: usize| [wrapped(START[leg] + sign * steps * microstep), 0.0, 0.0];
+            tick.apply(&output::<f64>([at(0), at(1), at(2)], true))
+                .unwrap();
+            for _ in 0..count {
+                scope.now.set(scope.now.get() + 1);
+                slots.slot().unwrap();
+            }
+            motors.watch(scope.take(), Active::Low);
+            (motors.position, motors.rises.clone())
+        };
+        go(0.0, slots_of_tick);
+        let (position, _) = go(12.0, 1);
+        assert_eq!(position, [0; 3]);
+        let (position, rises) = go(16.0, slots_of_tick + 1);
+        let all = if sign < 0.0 { -16 } else { 16 };
+        assert_eq!(position, [all; 3]);
+        for times in rises {
+            let intervals = times.windows(2).map(|pair| (pair[1] - pair[0]) as u32);
+            let even = slots_of_tick / 16;
+            assert!(
+                intervals
+                    .clone()
+                    .all(|each| (even..=even + 1).contains(&each)),
+                "{:?}",
+                intervals.collect::<Vec<_>>()
+            );
+        }
+    }
+}
+
 #[test]
 fn a_step_too_many_is_a_fault_and_none_of_the_three_moves() {
     let (line, scope) = (Line::new(), Scope::default());

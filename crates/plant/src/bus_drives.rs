@@ -179,6 +179,7 @@ impl Parts<'_> {
                 units.torque_nm(),
             )
             .knows(absolute(cans[leg].knows))
+            .positions_within(cans[leg].positions_within_ticks(rate_hz))
         };
         let board = CanDrives::<N, P, _>::new(
             protocol,

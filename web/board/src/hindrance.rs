@@ -42,6 +42,13 @@ impl<N: Transmit> BoardTalk<N> {
             BoardCommand::Acknowledge => match state {
                 State::Fault => stop,
                 State::Reacting => Some("the machine comes to rest first"),
+                State::Disabled
+                    if status
+                        .not_enabled
+                        .is_some_and(|why| why.wants_acknowledgement()) =>
+                {
+                    stop
+                }
                 _ => Some("no fault is latched"),
             },
             BoardCommand::Home => match state {

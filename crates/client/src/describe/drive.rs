@@ -15,6 +15,30 @@ pub fn drive_state(state: DriveState) -> &'static str {
     }
 }
 
+/// Describes drives that have restarted: the angles that a person has to compare.
+fn restarted<N: Transmit>(angles: &[Option<N::Angle>; 3]) -> String {
+    let angles = (1..).zip(angles);
+    let known = angles.filter_map(|(number, angle)| Some((number, N::angle_to_f64((*angle)?))));
+    let known: Vec<(u32, f64)> = known.collect();
+    let joined = |of: &dyn Fn(&(u32, f64)) -> String| {
+        let texts: Vec<String> = known.iter().map(of).collect();
+        texts.join(", ")
+    };
+    let drives = joined(&|(number, _)| format!("drive {number}"));
+    let joints = joined(&|(number, angle)| {
+        let degrees = short(angle.to_degrees());
+        format!(
+            "joint {number} is taken to be at {} rad ({degrees} degrees)",
+            short(*angle)
+        )
+    });
+    format!(
+        "restarted or silent while the machine stayed on: {drives}; {joints}, or whole turns of the rotor elsewhere. Compare with the \
+         machine. Where the angles are true, acknowledge them by trirrr enable --clear, --recover, or ClearFault; else turn the joints \
+         there by hand with the drives off, and restart the board at the start of the job"
+    )
+}
+
 /// Describes why a machine was not enabled.
 pub fn not_enabled<N: Transmit>(why: &NotEnabled<N>) -> String {
     match why {
@@ -27,7 +51,7 @@ pub fn not_enabled<N: Transmit>(why: &NotEnabled<N>) -> String {
             match error {
                 0 => format!("drive {drive} is {state}: look at its power, its node number and its wiring"),
                 _ => format!(
-                    "drive {drive} is {state} and reports its code {error}: clear it by --recover, or ClearFault"
+                    "drive {drive} is {state} and reports its code {error}: clear it by trirrr enable --clear, --recover, or ClearFault"
                 ),
             }
         }
@@ -62,5 +86,6 @@ pub fn not_enabled<N: Transmit>(why: &NotEnabled<N>) -> String {
             short(value.to_f64()),
             short(limit.to_f64())
         ),
+        NotEnabled::Restarted { angles } => restarted::<N>(angles),
     }
 }

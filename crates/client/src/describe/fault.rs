@@ -20,6 +20,9 @@ fn drive(what: DriveFault, index: Option<u8>, value: &str) -> String {
         DriveFault::Reported => format!("{drive} reports its code {value}"),
         DriveFault::Silent => format!("{drive} was silent for {value} of its timeout"),
         DriveFault::NotOn => format!("{drive} is not on, though it should be"),
+        DriveFault::Restarted => {
+            format!("{drive} has restarted, and may have lost turns of its rotor")
+        }
         DriveFault::Stalled => format!("{drive} signals that its motor stalls"),
     }
 }

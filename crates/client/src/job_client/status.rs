@@ -6,7 +6,9 @@ use crate::JobFailure;
 use crate::approach::{short_way, straight_way};
 use crate::describe::Units;
 use std::time::Duration;
-use trirrr_protocol::message::{Acting, Move, Recovery, Request, State, Status, Transmit};
+use trirrr_protocol::message::{
+    Acting, Move, NotEnabled, Recovery, Request, State, Status, Transmit,
+};
 
 impl<N: Transmit> JobClient<N> {
     /// Takes a status, and changes the phase if the status asks for it.
@@ -70,6 +72,11 @@ impl<N: Transmit> JobClient<N> {
             return recovering;
         }
         match status.state {
+            State::Disabled
+                if self.approach.recovery_s.is_some() && wants_acknowledgement(status) =>
+            {
+                Phase::Acknowledging
+            }
             State::Disabled => Phase::Enabling,
             State::Unhomed if self.approach.homing => Phase::Homing,
             // Another client has begun this; with a recovery the user takes over.
@@ -305,6 +312,12 @@ fn passes(state: State) -> bool {
         state,
         State::Enabling | State::Disabling | State::Homing | State::Recovering | State::Stopping
     )
+}
+
+/// Returns true if the last attempt to enable the machine ended in what a `ClearFault` acknowledges.
+fn wants_acknowledgement<N: Transmit>(status: &Status<N>) -> bool {
+    let why = status.not_enabled.as_ref();
+    why.is_some_and(NotEnabled::wants_acknowledgement)
 }
 
 fn failed<N: Transmit>(failure: JobFailure<N>) -> Phase<N> {

@@ -10,6 +10,9 @@ use trirrr_protocol::message::{DriveReading, DriveState};
 /// Ticks in which a drive is told to stop before its own word counts: what it said before it was told is read by then.
 const STOPS_AT_LEAST: u8 = 3;
 
+/// Ticks without a position in which a drive that answers each frame is still taken to be the one that was switched on.
+const MISSED_ANSWERS: u16 = 3;
+
 /// Drive with its rotor, and what it has said.
 #[derive(Debug)]
 pub(super) struct Listener<N: Countable> {
@@ -50,6 +53,13 @@ impl<N: Countable> Listener<N> {
         self.rotor.is_known()
     }
 
+    /// Returns true if a drive that answers each frame has answered lately.
+    #[inline(always)]
+    pub(super) fn answers(&self) -> bool {
+        let [_, position_age] = self.ages;
+        position_age <= MISSED_ANSWERS
+    }
+
     /// Lets a tick go by.
     #[inline(always)]
     pub(super) fn begin_tick(&mut self) {
@@ -70,8 +80,10 @@ impl<N: Countable> Listener<N> {
             };
         }
         if let Some(position) = heard.position {
-            *position_age = 0;
-            let measured = self.rotor.measure(position);
+            let age = core::mem::take(position_age);
+            let (measured, restarts) = self.rotor.measure(position, age);
+            let restarts = self.reading.restarts.wrapping_add(restarts.into());
+            self.reading.restarts = restarts;
             self.reading.angle = measured.angle;
             self.measured = Some(measured);
         }

@@ -11,6 +11,10 @@
 //! No command moves a drive unless the tick says [`Power::On`]. Then the drives prepare for some ticks
 //! ([`Protocol::PREPARATION`]) and close their loops at the angles of the tick. No error is cleared but in the tick
 //! that says [`Power::Clear`].
+//!
+//! A drive that restarts while the board stays on may have lost whole turns of its rotor. Where its positions jump by half a turn
+//! or more, or were missing for too long ([`RotorScale::positions_within`]), [`DriveReading::restarts`] counts up, and the joint is
+//! taken to be at the place nearest to the last one that fits. The service lets no such machine go on before a host knows.
 
 mod classic;
 mod fd;
@@ -29,7 +33,7 @@ pub use load::{FRAME_BITS, frames_per_tick};
 pub use mit::{Answer, Mit, MitRanges};
 pub use moteus::{Moteus, Resolution};
 pub use odrive::Odrive;
-pub use rotor::{Absolute, RotorCommand, RotorScale};
+pub use rotor::{Absolute, RotorCommand, RotorScale, SHORTEST_GAP};
 
 use crate::Failure;
 use crate::count::Countable;
@@ -72,6 +76,10 @@ pub enum NoFrame {
 pub trait Protocol {
     /// Ticks from switching on to the first command.
     const PREPARATION: u8;
+
+    /// A command switches a drive on that is off, and each frame is answered. A drive that does not answer gets questions in
+    /// place of commands: it may restart, and would go to a place that is whole turns off.
+    const COMMAND_SWITCHES_ON: bool = false;
 
     /// Frame with an order for drive `node`.
     ///
@@ -166,6 +174,7 @@ impl<N: Countable, P: Protocol, B: Bus> CanDrives<N, P, B> {
             let command = drive.command(motor);
             let say = match since < P::PREPARATION {
                 true => Say::Prepare(since, command),
+                false if P::COMMAND_SWITCHES_ON && !drive.answers() => Say::Ask(0),
                 false => Say::Move(command),
             };
             let sent = send(&self.protocol, &mut self.bus, drive.node(), &say);

@@ -19,7 +19,8 @@
 //!
 //! Positions and torques of moteus are those of its output shaft: set `motor_position.rotor_to_output_ratio` to 1. The
 //! watchdog of moteus (`servo.default_timeout_s`) stops a motor without commands. A drive with a fault is off, and is
-//! not told to stop, for that would clear the fault.
+//! not told to stop, for that would clear the fault. Each command has the mode: one that has restarted would take it for an
+//! order to go on, at turns that it does not count any more.
 
 use super::heard::finite;
 use super::odrive::whole;
@@ -75,6 +76,7 @@ impl Moteus {
 
 impl Protocol for Moteus {
     const PREPARATION: u8 = 0;
+    const COMMAND_SWITCHES_ON: bool = true;
 
     #[inline]
     fn frame<F: Frame>(&self, node: u8, say: &Say) -> Result<F, NoFrame> {

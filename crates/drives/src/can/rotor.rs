@@ -22,9 +22,10 @@ pub enum Absolute {
     /// Position 0 is a joint angle of the scene, over all turns: the encoder knows the joint.
     Joint,
     /// Position 0 is that angle but for whole turns of the rotor. The joint is taken to be within half a turn of the
-    /// rotor from the start of the job.
+    /// rotor from the start of the job when the drive is heard first, and from where it was last after a restart.
     Rotor,
-    /// Nothing. The joint is taken to be at the start of the job, until a homing tells better.
+    /// Nothing. The joint is taken to be at the start of the job, and where it was last after a restart, until a homing
+    /// tells better.
     Nothing,
 }
 
@@ -40,9 +41,15 @@ pub struct RotorScale {
     /// Joint angle at which the drive's position is 0, rad.
     zero: f64,
     absolute: Absolute,
+    /// Longest time between two positions of a drive that has not restarted, ticks.
+    gap: u16,
     /// N m of the rotor per ampere; 0 if a current tells no torque.
     torque_constant: f32,
 }
+
+/// Shortest [gap](RotorScale::positions_within), ticks: three questions for the position of an ODrive that is off, which come every
+/// three ticks, and the tick of the answer.
+pub const SHORTEST_GAP: u16 = 10;
 
 impl RotorScale {
     /// Gear of `gear_ratio` turns of the rotor per turn of the joint, `reversed` or not. The drive's position is
@@ -62,6 +69,7 @@ impl RotorScale {
             torque: (torque_nm / gear) as f32,
             zero: zero_rad % core::f64::consts::TAU,
             absolute: Absolute::Joint,
+            gap: SHORTEST_GAP,
             torque_constant: 0.0,
         }
     }
@@ -70,6 +78,18 @@ impl RotorScale {
     #[must_use]
     pub const fn knows(self, absolute: Absolute) -> Self {
         Self { absolute, ..self }
+    }
+
+    /// Scale of a drive whose positions come within so many ticks of each other, and at least [`SHORTEST_GAP`]. Behind a longer
+    /// gap the drive may have restarted, and its joint may have moved by any angle.
+    #[must_use]
+    pub const fn positions_within(self, ticks: u16) -> Self {
+        let gap = if ticks > SHORTEST_GAP {
+            ticks
+        } else {
+            SHORTEST_GAP
+        };
+        Self { gap, ..self }
     }
 
     /// Scale of a motor with this torque per ampere, N m/A at the rotor, for drives that tell a current.
@@ -89,8 +109,19 @@ pub(super) struct Rotor<N: Countable> {
     zero: N::Angle,
     /// Joint from the zero: as measured while the drive is off, as commanded while it is on.
     winding: Winding,
-    /// Turns from the zero that the drive's position lacks. None until a position was heard.
-    offset: Option<f32>,
+    /// None until a position was heard.
+    track: Option<Track>,
+}
+
+/// Positions of a drive up to the last one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Track {
+    /// Turns from the zero that the drive's position lacks.
+    offset: f32,
+    /// Turns of the rotor from the zero at the last position.
+    turns: f32,
+    /// Turns per tick between the last two positions.
+    pace: f32,
 }
 
 /// Motion of a joint, as its drive tells it.
@@ -108,14 +139,14 @@ impl<N: Countable> Rotor<N> {
             scale,
             zero,
             winding: Winding::near_zero::<N>(angle - zero),
-            offset: None,
+            track: None,
         }
     }
 
     /// Returns true once a position was heard.
     #[inline(always)]
     pub(super) fn is_known(&self) -> bool {
-        self.offset.is_some()
+        self.track.is_some()
     }
 
     /// Turns of the rotor from the zero.
@@ -133,34 +164,34 @@ impl<N: Countable> Rotor<N> {
     pub(super) fn command(&mut self, motor: &Motor<N>) -> RotorCommand {
         self.winding = self.winding.after::<N>(motor.angle - self.zero);
         RotorCommand {
-            position: self.turns() - self.offset.unwrap_or(0.0),
+            position: self.turns() - self.track.map_or(0.0, |track| track.offset),
             velocity: motor.rate.to_f32() * self.scale.velocity,
             torque: motor.torque.to_f32() * self.scale.torque,
         }
     }
 
-    /// Joint at the drive's `position`, turns. The first position tells what the drive's zero is.
-    pub(super) fn measure(&mut self, position: f32) -> JointPlace<N> {
-        let offset = match self.offset {
-            Some(offset) => offset,
-            None => {
-                let missing = self.turns() - position;
-                let offset = match self.scale.absolute {
-                    Absolute::Joint => 0.0,
-                    Absolute::Rotor => nearest(missing) as f32,
-                    Absolute::Nothing => missing,
-                };
-                self.offset = Some(offset);
-                offset
-            }
+    /// Joint at the drive's `position`, turns, `age` ticks after the position before. Returns true with it if the drive has
+    /// restarted, as far as positions tell: whole turns may be missing, and the joint is taken to be nearest to where it was.
+    ///
+    /// A position follows the last one at the pace of the two before it, by less than half a turn of the rotor off: a joint
+    /// cannot do otherwise from one message to the next. Behind a gap that does not hold, for a hand or gravity moves a joint
+    /// without torque.
+    pub(super) fn measure(&mut self, position: f32, age: u16) -> (JointPlace<N>, bool) {
+        let (track, restarts) = match &self.track {
+            Some(track) => track.follow(position, age, &self.scale),
+            None => (
+                Track::begin(position, self.turns(), self.scale.absolute),
+                false,
+            ),
         };
-        let turns = (position + offset) / self.scale.gear;
-        let winding = Winding::of_turns(turns);
+        self.track = Some(track);
+        let winding = Winding::of_turns(track.turns / self.scale.gear);
         let part = N::turn(self.zero).wrapping_add(winding.part);
-        JointPlace {
+        let place = JointPlace {
             winding,
             angle: N::angle_of(part),
-        }
+        };
+        (place, restarts)
     }
 
     /// Takes over a measured joint, from which the next command starts: for drives that are off.
@@ -190,8 +221,65 @@ impl<N: Countable> Rotor<N> {
     pub(super) fn shift(&mut self, by: N::Angle) {
         let part = N::turn(by);
         let turns = part as i32 as f32 * (1.0 / 4_294_967_296.0);
-        self.offset = self.offset.map(|offset| offset + turns * self.scale.gear);
+        if let Some(track) = &mut self.track {
+            track.offset += turns * self.scale.gear;
+            track.turns += turns * self.scale.gear;
+        }
         self.winding = self.winding.turned(part as i32);
+    }
+}
+
+impl Track {
+    /// Track of a drive that is heard first, at `position`, with its joint near `turns`.
+    fn begin(position: f32, turns: f32, absolute: Absolute) -> Self {
+        let offset = match absolute {
+            Absolute::Joint => 0.0,
+            Absolute::Rotor => nearest(turns - position) as f32,
+            Absolute::Nothing => turns - position,
+        };
+        Self {
+            offset,
+            turns: position + offset,
+            pace: 0.0,
+        }
+    }
+
+    /// Track after the next `position`, `age` ticks later. Returns true with it if the drive has restarted.
+    fn follow(&self, position: f32, age: u16, scale: &RotorScale) -> (Self, bool) {
+        let is_gap = age > scale.gap;
+        let pace = if is_gap { 0.0 } else { self.pace };
+        let ticks = f32::from(age);
+        let expected = self.turns + pace * ticks;
+        let missing = expected - (position + self.offset);
+        let jumps = !(missing > -0.5 && missing < 0.5);
+        let restarts = jumps || is_gap && scale.absolute != Absolute::Joint;
+        if restarts {
+            let offset = match scale.absolute {
+                Absolute::Joint => self.offset,
+                Absolute::Rotor => self.offset + nearest(missing) as f32,
+                Absolute::Nothing => self.offset + missing,
+            };
+            let turns = position + offset;
+            return (
+                Self {
+                    offset,
+                    turns,
+                    pace,
+                },
+                true,
+            );
+        }
+        let turns = position + self.offset;
+        let pace = match is_gap || age == 0 {
+            true => pace,
+            false => (turns - self.turns) / ticks,
+        };
+        let track = Self {
+            offset: self.offset,
+            turns,
+            pace,
+        };
+        (track, false)
     }
 }
 

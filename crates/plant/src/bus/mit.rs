@@ -184,6 +184,11 @@ impl DriveModel<8> for MitModel {
         self.is_on = false;
     }
 
+    fn start(&mut self) {
+        (self.is_on, self.error) = (false, 0);
+        self.target = RotorTarget::default();
+    }
+
     fn heat(&mut self) {
         self.common.is_hot = true;
         self.fail(self.too_hot());

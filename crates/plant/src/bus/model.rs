@@ -25,6 +25,9 @@ pub trait DriveModel<const LONGEST: usize> {
     /// Fault to inject: it leaves its loop, without an error.
     fn idle(&mut self);
 
+    /// State after power-up: off, without an error and without a command.
+    fn start(&mut self);
+
     /// Fault to inject: it is too hot, until [`cool`](Self::cool).
     fn heat(&mut self);
 
@@ -54,6 +57,16 @@ pub trait DriveModel<const LONGEST: usize> {
         let common = self.common_mut();
         common.is_alive = false;
         common.outbox.clear();
+    }
+
+    /// Fault to inject: the drive has power again, or had none for a moment. It counts `turns` more than before.
+    fn restart(&mut self, turns: f64) {
+        let common = self.common_mut();
+        common.is_alive = true;
+        common.outbox.clear();
+        common.servo.offset += turns;
+        common.servo.estimate = None;
+        self.start();
     }
 
     /// Returns true while it has power.

@@ -225,6 +225,11 @@ impl DriveModel<64> for MoteusModel {
         self.mode = STOPPED;
     }
 
+    fn start(&mut self) {
+        (self.mode, self.fault) = (STOPPED, 0);
+        self.target = RotorTarget::default();
+    }
+
     fn heat(&mut self) {
         self.common.is_hot = true;
         self.fail(OVER_TEMPERATURE);

@@ -184,6 +184,13 @@ impl DriveModel<8> for OdriveModel {
 
     fn at(&mut self, now_ns: u64) {
         if !self.common.is_alive {
+            // Messages of the time without power are not caught up with.
+            for cycle in &mut self.cycles {
+                let missed = now_ns
+                    .saturating_sub(cycle.due_ns)
+                    .div_ceil(cycle.period_ns);
+                cycle.due_ns += missed * cycle.period_ns;
+            }
             return;
         }
         if self.state == CLOSED_LOOP && now_ns > self.fed_ns + self.watchdog_ns {
@@ -217,6 +224,13 @@ impl DriveModel<8> for OdriveModel {
 
     fn idle(&mut self) {
         self.state = IDLE;
+    }
+
+    fn start(&mut self) {
+        (self.state, self.result) = (IDLE, 0);
+        (self.errors, self.disarm_reason) = (0, 0);
+        self.modes = [0; 2];
+        self.target = RotorTarget::default();
     }
 
     fn heat(&mut self) {

@@ -3,6 +3,7 @@
 mod bench;
 mod faults;
 mod loops;
+mod restarts;
 mod sequence;
 mod service;
 mod stepped;

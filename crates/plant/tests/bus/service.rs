@@ -9,10 +9,11 @@ use trirrr_core::setpoint::Pose;
 use trirrr_drives::can::Odrive;
 use trirrr_protocol::message::{Command, DriveFault, FaultCode, NotEnabled, Reply, State};
 use trirrr_service::{
-    Adjustable, Channels, FeedbackCoefficients, FeedbackParameters, Power, Settings, WithFeedback,
+    Adjustable, Channels, FeedbackCoefficients, FeedbackParameters, Power, Service, Settings,
+    WithFeedback,
 };
 
-type Measuring<'a> = WithFeedback<'a, Adjustable<Dynamic<f64>>>;
+pub(crate) type Measuring<'a> = WithFeedback<'a, Adjustable<Dynamic<f64>>>;
 
 pub(crate) const HOME: [f64; 3] = [0.21, 0.22, 0.157];
 
@@ -22,14 +23,8 @@ pub(crate) fn angles_at([x, y, alpha]: [f64; 3]) -> Option<[f64; 3]> {
     Some(geometry.motor_angles(&position))
 }
 
-/// Enables a machine that stands at `pose`, spoilt before by `spoil`. Returns the largest step of a command at the
-/// rotor in turns, the last state, its fault, and why it was not enabled.
-fn enabled(
-    pose: [f64; 3],
-    spoil: impl Fn(&mut Bench<Odrive, 8>, u32),
-) -> (f64, State, Option<FaultCode>, Option<NotEnabled<f64>>) {
-    let joints = angles_at(pose).unwrap();
-    let home = Pose::from_f64(HOME[0], HOME[1], HOME[2]);
+/// Service of the machine, in memory that is never freed.
+pub(crate) fn service(home: Pose<f64>) -> Service<'static, Measuring<'static>> {
     let parameters = FeedbackParameters {
         timeout_ticks: TIMEOUT_TICKS,
         enable_ticks: 200,
@@ -39,16 +34,24 @@ fn enabled(
         window_ticks: 5,
     };
     let geometry = Geometry::<f64>::build(&example()).unwrap();
-    let coefficients =
-        FeedbackCoefficients::build(&parameters, &example(), &geometry, home).unwrap();
-    let scene: Measuring<'_> = WithFeedback {
+    let coefficients = FeedbackCoefficients::build(&parameters, &example(), &geometry, home);
+    let scene = WithFeedback {
         scene: Adjustable::new(example(), LimitParameters::default()),
-        feedback: Some(&coefficients),
+        feedback: Some(&*Box::leak(Box::new(coefficients.unwrap()))),
     };
-    let mut channels = Box::new(Channels::<Measuring<'_>, 8, 8>::new());
-    let mut service = channels
-        .service(scene, home, Settings::at(TICK_RATE_HZ))
-        .unwrap();
+    let channels = Box::leak(Box::new(Channels::<Measuring<'_>, 8, 8>::new()));
+    let settings = Settings::at(TICK_RATE_HZ);
+    channels.service(scene, home, settings).unwrap()
+}
+
+/// Enables a machine that stands at `pose`, spoilt before by `spoil`. Returns the largest step of a command at the
+/// rotor in turns, the last state, its fault, and why it was not enabled.
+fn enabled(
+    pose: [f64; 3],
+    spoil: impl Fn(&mut Bench<Odrive, 8>, u32),
+) -> (f64, State, Option<FaultCode>, Option<NotEnabled<f64>>) {
+    let joints = angles_at(pose).unwrap();
+    let mut service = service(Pose::from_f64(HOME[0], HOME[1], HOME[2]));
     // The rotor's turn is known: near the pose.
     let mut bench = Bench::near(Odrive, odrive, joints, joints.map(|angle| angle + 0.2));
     let mut largest: f64 = 0.0;

@@ -47,6 +47,9 @@ pub struct DriveReading<N: Number> {
     pub age: u16,
     /// and since it told its state.
     pub state_age: u16,
+    /// Times that the drive has restarted, as far as its positions tell, modulo 256. Its angle may be whole turns of the rotor off
+    /// since.
+    pub restarts: u8,
 }
 
 /// All drives in one tick.
@@ -98,6 +101,24 @@ pub enum NotEnabled<N: Number> {
         /// and the least allowed.
         limit: N,
     },
+    /// Drives have restarted, or were silent, while the machine stayed on. Their joints are taken to be nearest to where they
+    /// were, and may be whole turns of the rotor elsewhere. A `ClearFault` that follows acknowledges the angles.
+    Restarted {
+        /// Angle at which the joint of each such drive is taken to be, in (-pi, pi]; none of a drive that has not restarted.
+        angles: [Option<N::Angle>; 3],
+    },
+}
+
+impl<N: Number> NotEnabled<N> {
+    /// Returns true if a `ClearFault` has to come before the next `Enable`: it clears the error of a drive, and acknowledges
+    /// angles after a restart.
+    pub fn wants_acknowledgement(&self) -> bool {
+        match self {
+            Self::Drive { error, .. } => *error != 0,
+            Self::Restarted { .. } => true,
+            Self::Moves { .. } | Self::NoPose | Self::ManyPoses | Self::Singular { .. } => false,
+        }
+    }
 }
 
 impl<N: Number> DriveReading<N> {
@@ -116,6 +137,7 @@ impl<N: Number> DriveReading<N> {
             supply_mv: 0,
             age: u16::MAX,
             state_age: u16::MAX,
+            restarts: 0,
         }
     }
 }

@@ -187,6 +187,8 @@ pub enum DriveFault {
     NotOn,
     /// The drive signals that its motor does not follow.
     Stalled,
+    /// The drive has restarted, or its position has jumped by half a turn of the rotor or more from one message to the next.
+    Restarted,
 }
 
 impl FaultCode {

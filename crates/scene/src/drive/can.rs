@@ -23,6 +23,18 @@ pub struct Can {
     pub torque_constant_nm_a: Option<f64>,
 }
 
+impl Can {
+    /// Returns the longest time between two positions of a drive that has not restarted, in ticks: three periods of those that an
+    /// ODrive sends by itself, at least a third of its messages. Others answer in each tick: 0.
+    pub fn positions_within_ticks(&self, tick_rate_hz: f64) -> u16 {
+        match self.protocol {
+            // The cast saturates.
+            CanProtocol::Odrive => (9.0 * tick_rate_hz / self.messages_hz).ceil() as u16,
+            CanProtocol::Moteus | CanProtocol::Mit(_) => 0,
+        }
+    }
+}
+
 /// Frame layouts of CAN drives.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CanProtocol {

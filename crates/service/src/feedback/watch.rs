@@ -27,10 +27,22 @@ pub struct DriveWatch<'q, N: ServiceNumber> {
     beyond: [u16; 3],
     /// Ticks since the machine was asked to be enabled.
     since: u16,
+    restarts: [Restart; 3],
     report: FeedbackReport<N>,
     samples: Sender<'q, DriveSample<N>>,
     every: u16,
     countdown: u16,
+}
+
+/// Knowledge of a drive's restart.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Restart {
+    /// There was none, or a host has acknowledged it.
+    None,
+    /// No host was told yet.
+    Untold,
+    /// A host was told why the machine was not enabled.
+    Told,
 }
 
 /// Progress of a machine that is being enabled.
@@ -52,6 +64,7 @@ impl<'q, N: ServiceNumber> DriveWatch<'q, N> {
             newest: 0,
             beyond: [0; 3],
             since: 0,
+            restarts: [Restart::None; 3],
             report: FeedbackReport {
                 asked: 0,
                 refused: None,
@@ -74,7 +87,40 @@ impl<'q, N: ServiceNumber> DriveWatch<'q, N> {
     }
 
     pub(super) fn hear(&mut self, readings: Readings<N>) {
+        let before = self.readings.map(|each| each.map(|drive| drive.restarts));
+        let pairs = readings.iter().zip(before.unwrap_or([0; 3]));
+        for (restart, (reading, before)) in self.restarts.iter_mut().zip(pairs) {
+            if reading.restarts != before {
+                *restart = Restart::Untold;
+            }
+        }
         self.readings = Some(readings);
+    }
+
+    /// A host acknowledges the restarts that it was told. With `all` those count, too, that no host was told: the joints are going
+    /// to be searched.
+    pub(crate) fn acknowledge(&mut self, all: bool) {
+        for restart in &mut self.restarts {
+            if all || *restart == Restart::Told {
+                *restart = Restart::None;
+            }
+        }
+    }
+
+    /// Refuses a machine with drives that have restarted. Returns true if there is one.
+    fn refuse_restarts(&mut self, readings: &Readings<N>) -> bool {
+        if self.restarts == [Restart::None; 3] {
+            return false;
+        }
+        let mut angles = [None; 3];
+        for ((restart, angle), reading) in self.restarts.iter_mut().zip(&mut angles).zip(readings) {
+            if *restart != Restart::None {
+                *restart = Restart::Told;
+                *angle = Some(reading.angle);
+            }
+        }
+        self.report.refused = Some(NotEnabled::Restarted { angles });
+        true
     }
 
     pub(super) fn report(&self) -> FeedbackReport<N> {
@@ -94,13 +140,13 @@ impl<'q, N: ServiceNumber> DriveWatch<'q, N> {
 
     /// A tick in which every drive has to come to `wanted`, [`DriveState::Off`] or [`DriveState::On`].
     pub(crate) fn wait_for(&mut self, wanted: DriveState) -> EnableProgress<N> {
-        let (Some(limits), Some(readings)) = (&self.limits, &self.readings) else {
+        let (Some(limits), Some(readings)) = (&self.limits, self.readings) else {
             return EnableProgress::Waiting;
         };
         self.since = self.since.saturating_add(1);
         let is_late = self.since >= limits.enable_ticks;
         let mut waits = false;
-        for (motor, reading) in (0..).zip(readings) {
+        for (motor, reading) in (0..).zip(&readings) {
             let known = limits.knows(reading);
             let is_there = known == wanted && reading.error == 0;
             let fails = matches!(known, DriveState::Fault | DriveState::Uncalibrated);
@@ -114,6 +160,10 @@ impl<'q, N: ServiceNumber> DriveWatch<'q, N> {
             }
             waits |= !is_there;
         }
+        // Drives that are on stop at once; those that come back one by one are named together.
+        if (wanted == DriveState::On || !waits) && self.refuse_restarts(&readings) {
+            return EnableProgress::Refused;
+        }
         match waits {
             true => EnableProgress::Waiting,
             false => EnableProgress::Done(readings.each_ref().map(|reading| reading.angle)),
@@ -122,7 +172,7 @@ impl<'q, N: ServiceNumber> DriveWatch<'q, N> {
 
     /// Checks that the joints still stand where the `motors` are commanded to be: otherwise the machine is not enabled.
     pub(crate) fn stands_at(&mut self, motors: &[Motor<N>; 3]) -> bool {
-        let (Some(limits), Some(readings)) = (&self.limits, &self.readings) else {
+        let (Some(limits), Some(readings)) = (&self.limits, self.readings) else {
             return false;
         };
         for (index, (reading, motor)) in (0..).zip(readings.iter().zip(motors)) {
@@ -136,7 +186,7 @@ impl<'q, N: ServiceNumber> DriveWatch<'q, N> {
                 return false;
             }
         }
-        true
+        !self.refuse_restarts(&readings)
     }
 
     /// Watches drives that are on, before the next command; `motors` were commanded last. With `follows` the joints have to be where
@@ -163,6 +213,9 @@ impl<'q, N: ServiceNumber> DriveWatch<'q, N> {
             };
             let fault = match limits.knows(reading) {
                 DriveState::Silent => Some((DriveFault::Silent, limits.silence(reading))),
+                _ if self.restarts.get(index) != Some(&Restart::None) => {
+                    Some((DriveFault::Restarted, N::ZERO))
+                }
                 _ if reading.error != 0 => Some((DriveFault::Reported, N::ratio(reading.error, 1))),
                 DriveState::Fault => Some((DriveFault::Reported, N::ZERO)),
                 DriveState::On => None,

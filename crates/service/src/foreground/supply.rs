@@ -80,6 +80,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         self.output.power = Power::On;
         if let Some(watch) = self.feedback.get_mut().filter(|watch| watch.measures()) {
             watch.begin();
+            if self.homing.is_needed() {
+                watch.acknowledge(true);
+            }
             self.supply.phase = EnablePhase::Check;
             self.output.power = Power::Check;
         }
@@ -107,13 +110,17 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
     }
 
-    /// Acknowledges a fault. The drives stay off; in this tick their errors are cleared.
+    /// Acknowledges a fault, and the angles of drives that have restarted. The drives stay off; in this tick their errors are
+    /// cleared.
     pub(super) fn clear_fault(&mut self) {
         // The order may be older than the stop.
         if self.interlocks.is_pressed() {
             return;
         }
         self.interlocks.acknowledge();
+        if let Some(watch) = self.feedback.get_mut() {
+            watch.acknowledge(false);
+        }
         match self.state {
             State::Fault if self.output.is_on() => {
                 let state = self.ready_state();

@@ -38,6 +38,7 @@ struct Drive {
     slip: f64,
     /// Ticks since it told anything.
     age: u16,
+    restarts: u8,
     /// Greatest step of its command since it was on.
     jump: f64,
     cleared: u32,
@@ -54,6 +55,7 @@ impl Drive {
             raw: false,
             slip: 0.0,
             age: 0,
+            restarts: 0,
             jump: 0.0,
             cleared: 0,
         }
@@ -96,6 +98,7 @@ impl Drive {
             error: self.error,
             age: self.age,
             state_age: self.age,
+            restarts: self.restarts,
             ..DriveReading::unheard(N::angle_from_f64(wrap(self.angle)))
         }
     }
@@ -428,6 +431,94 @@ fn a_dead_drive_stops_a_job() {
     assert_eq!(rig.enable(), State::Idle);
     let stands = rig.bench.status().end.unwrap().pose;
     assert!(stands != end);
+}
+
+/// A restart is a fault of drives that are on. It is told when the machine is enabled, of all drives that have restarted by then, and
+/// acknowledged by no `ClearFault` that comes before that.
+#[test]
+fn a_restart_is_told_before_it_is_acknowledged() {
+    let mut rig = started();
+    rig.drives[2].restarts = 7;
+    rig.ticks(2);
+    assert_eq!(
+        rig.fault(),
+        Some((FaultCode::Drive(DriveFault::Restarted), Some(2)))
+    );
+    assert_eq!(rig.tick().power, Power::Off);
+    let angles = rig.drives.each_ref().map(|drive| wrap(drive.angle));
+    let told = |rig: &mut Rig<f64>, legs: [bool; 3]| {
+        let angle = |leg: usize| legs[leg].then_some(angles[leg]);
+        let angles = [angle(0), angle(1), angle(2)];
+        let wanted = Some(NotEnabled::Restarted { angles });
+        assert_eq!(rig.enable(), State::Disabled);
+        assert_eq!(rig.bench.status().not_enabled, wanted);
+        assert!(wanted.unwrap().wants_acknowledgement());
+    };
+    // That fault is acknowledged, and not where the joint is.
+    rig.bench.done(Command::ClearFault);
+    rig.ticks(2);
+    told(&mut rig, [false, false, true]);
+    // Another one meanwhile, which no host was told.
+    rig.drives[0].restarts = 255;
+    rig.ticks(2);
+    rig.bench.done(Command::ClearFault);
+    rig.ticks(2);
+    told(&mut rig, [true, false, false]);
+    told(&mut rig, [true, false, false]);
+    rig.bench.done(Command::ClearFault);
+    rig.ticks(2);
+    assert_eq!(rig.enable(), State::Idle);
+    rig.ticks(20);
+    assert_eq!((rig.fault(), rig.bench.status().not_enabled), (None, None));
+    // Off by a host, a drive restarts: the same.
+    rig.bench.done(Command::Disable);
+    rig.ticks(100);
+    rig.drives[1].restarts += 1;
+    told(&mut rig, [false, true, false]);
+}
+
+/// Homing finds the joints anyway: nobody has to acknowledge where they are taken to be.
+#[test]
+fn a_machine_with_homing_is_unhomed_behind_a_restart() {
+    let parameters = super::homing::parameters(Contact::Switch);
+    let homing = HomingCoefficients::build(&parameters, PERIOD_S);
+    let scene = WithFeedback {
+        scene: WithHoming {
+            scene: Adjustable::new(example(), LimitParameters::default()),
+            homing: Some(&*Box::leak(Box::new(homing))),
+        },
+        feedback: Some(coefficients()),
+    };
+    let mut bench = Bench::<super::homing::Homed<f64>>::off(scene, home(), settings());
+    let mut drives = super::homing::home_angles().map(Drive::at);
+    let mut ticks = |bench: &mut Bench<super::homing::Homed<f64>>, restarts: [u8; 3]| {
+        for (drive, restarts) in drives.iter_mut().zip(restarts) {
+            drive.restarts = restarts;
+        }
+        for _ in 0..30 {
+            let readings = drives.each_ref().map(Drive::reading);
+            bench.service.hear(readings);
+            let output = bench.tick();
+            for drive in &mut drives {
+                let angle = drive.angle;
+                drive.obey(output.power, angle);
+            }
+            while bench.service.step() {}
+        }
+    };
+    ticks(&mut bench, [0, 1, 0]);
+    bench.done(Command::Enable);
+    ticks(&mut bench, [0, 1, 0]);
+    assert_eq!(bench.state(), State::Unhomed);
+    ticks(&mut bench, [0, 1, 2]);
+    let code = bench.status().fault.map(|fault| fault.code);
+    assert_eq!(code, Some(FaultCode::Drive(DriveFault::Restarted)));
+    bench.done(Command::ClearFault);
+    ticks(&mut bench, [0, 1, 2]);
+    bench.done(Command::Enable);
+    ticks(&mut bench, [0, 1, 2]);
+    let status = bench.status();
+    assert_eq!((status.state, status.not_enabled), (State::Unhomed, None));
 }
 
 #[test]

@@ -58,6 +58,17 @@ impl<N: Transmit> MachineDriver<N> {
                 Some(fault) => describe::fault(fault, &self.words),
                 None => "the fault does not go away".into(),
             }),
+            State::Disabled
+                if !waking.cleared
+                    && !waking.enabled
+                    && status
+                        .not_enabled
+                        .is_some_and(|why| why.wants_acknowledgement()) =>
+            {
+                waking.cleared = true;
+                self.order(Command::ClearFault);
+                None
+            }
             State::Disabled if !waking.enabled => {
                 waking.enabled = true;
                 self.order(Command::Enable);

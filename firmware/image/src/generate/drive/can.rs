@@ -35,13 +35,14 @@ pub(super) fn cans(
         nodes.push(can.node_id);
         rotors.push(format!(
             "trirrr_drives::can::RotorScale::new({:?}, {}, {:?}, {:?}, {:?})\
-             .knows(trirrr_drives::can::Absolute::{:?}).torque_constant({:?})",
+             .knows(trirrr_drives::can::Absolute::{:?}).positions_within({}).torque_constant({:?})",
             drive.gear_ratio,
             drive.reversed,
             can.zero_rad,
             units.rate_rad_s(),
             units.torque_nm(),
             can.knows,
+            can.positions_within_ticks(scene.tick_rate_hz),
             can.torque_constant_nm_a.unwrap_or(0.0),
         ));
         filters.push(match can.protocol {
