@@ -37,7 +37,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             if !is_at_rest(&before) {
                 return Err(Refusal::StartVelocity);
             }
-            self.planner.begin(before.pose);
+            self.planner.begin(before.pose, piece.number);
         }
         if !self.planner.push(piece) {
             return Err(Refusal::QueueFull);
