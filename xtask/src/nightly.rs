@@ -152,6 +152,21 @@ fn steps() -> Result<Vec<Step>> {
             &["--test", "commands", "all_pairs", "--", "--ignored"],
         ),
         Step::on_host(
+            "two thousand random programs through windows",
+            "test",
+            &[
+                "--release",
+                "--package",
+                "trirrr-plan",
+                "--test",
+                "reference",
+                "--",
+                "--ignored",
+                "--nocapture",
+                "two_thousand",
+            ],
+        ),
+        Step::on_host(
             "jobs of a million lines",
             "test",
             &[
