@@ -22,6 +22,9 @@ const PORTS = (1 << 5) | (1 << 8);
 const PARTS = 0x1fffc;
 // As in `rp2040.x`: the stack is the first 32 KiB of the RAM.
 const STACK = 0x8000;
+// Bytes that wait for the background, and their time at 921,600 baud (`firmware/boards/rp2040/src/uart.rs`).
+const QUEUE = 1023;
+const QUEUE_MS = (QUEUE * 10) / 921.6;
 // Longest time without the slots, beyond their own.
 const MASKED_US = 1;
 const STACK_TOP = 0x2000_0000 + STACK;
@@ -201,6 +204,8 @@ async function job(image, hasUsb) {
   checkTool(board, rows);
   const longest = /longest took ([0-9.]+)/.exec(said)?.[1];
   figure("job: longest tick, µs", longest, `< ${settings.tickS * 1e6}`, longest < settings.tickS * 1e6);
+  const awayMs = board.longestAwayNs / MS;
+  figure("job: longest time from one look at the line to the next, ms", awayMs.toFixed(2), `< ${QUEUE_MS.toFixed(2)}`, awayMs > 0 && awayMs < QUEUE_MS);
   return board;
 }
 
@@ -222,6 +227,23 @@ async function hang() {
   figure("hung tick: the watchdog resets the chip after, ms", after.toFixed(1), `≤ ${bound}`, after <= bound);
   const reset = board.resetParts & PARTS;
   figure("hung tick: parts of the chip that it resets", `0x${reset.toString(16)}`, "all but the oscillators", reset === PARTS);
+}
+
+/** The crystal stops in mid-move, and the PLL goes on at a part of its clock: every tick seems to be in time. */
+async function freeRun(part) {
+  let sinceNs;
+  const moving = (board) => {
+    if (sinceNs === undefined && board.edges[settings.step[0]].length > 100) {
+      sinceNs = board.ns;
+      board.runFree(part);
+    }
+    return sinceNs !== undefined && board.ns > sinceNs + 2e9;
+  };
+  const { board } = await play(settings.image, path.join(folder, "slow"), { until: moving });
+  const after = ((board.resetNs ?? Infinity) - sinceNs) / MS;
+  // It may be fed once more, after ticks that were counted before.
+  const bound = 2 * settings.watchdogS * 1e3;
+  figure(`free-run: core ${part} times too slow: the watchdog resets the chip after, ms`, after.toFixed(1), `≤ ${bound}`, after <= bound);
 }
 
 /** An image that panics in its 50th tick. */
@@ -283,8 +305,24 @@ async function breakOff(name, cut, mend) {
 /** Steps of the whole job. */
 let jobSteps = 0;
 
+/** The controller hangs in mid-move, as by erratum RP2040-E15: no frame is counted, and nothing tells that the bus rests. */
+function hangUsb() {
+  const board = boardOf(settings.overUsb, true);
+  board.run(300 * MS);
+  const { host } = board;
+  const sinceNs = board.ns;
+  host.hang();
+  board.run(1000 * MS);
+  const goneMs = ((host.goneNs ?? Infinity) - sinceNs) / MS;
+  figure("usb: the controller hangs: reset after, ms", goneMs.toFixed(1), "≤ 250", goneMs <= 250);
+  const anewMs = (host.configuredNs - sinceNs) / MS;
+  figure("usb: the controller hangs: enumerated anew after, ms", anewMs.toFixed(1), "≤ 500", anewMs > 0 && anewMs <= 500);
+  figure("usb: the controller hangs: the board is reset", board.resetNs !== undefined, false, board.resetNs === undefined);
+}
+
 async function usb() {
   plugIn();
+  hangUsb();
   const played = await job(settings.overUsb, true);
   jobSteps = lastStep(played, 0)[1];
   figure("usb: packets out of turn", played.host.wrongToggles, 0, played.host.wrongToggles === 0);
@@ -306,7 +344,10 @@ async function usb() {
 }
 
 (async () => {
-  const cases = { "power-up": powerUp, job: () => job(settings.image, false), "hung-tick": hang, panic, usb };
+  const freeRuns = async () => {
+    for (const part of [4, 24]) await freeRun(part);
+  };
+  const cases = { "power-up": powerUp, job: () => job(settings.image, false), "hung-tick": hang, "free-run": freeRuns, panic, usb };
   for (const [name, run] of Object.entries(cases)) {
     if (!only || only === name) await run();
   }

@@ -14,7 +14,10 @@ const PULLUP = 1 << 16;
 const BUS_RESET = 1 << 19;
 const SETUP = 1 << 17;
 const SUSPENDED = 1 << 4;
-const SIE_STATUS = 0x50;
+const [SOF_RD, SIE_STATUS] = [0x48, 0x50];
+// USBCTRL in RESETS.
+const USBCTRL = 1 << 24;
+const FRAME_NS = 1e6;
 const [OUT, IN] = [0, 1];
 const PACKET = 64;
 // 64 bytes with head, checksum and handshake at 12 Mbit/s.
@@ -39,8 +42,14 @@ class UsbHost {
       if (offset === SIE_STATUS && this.usb.rawWriteValue & SUSPENDED) this.usb.sieStatus &= ~SUSPENDED;
       write(offset, value);
     };
+    // Nor does it count the frames of a host, or reset the controller.
+    const read = this.usb.readUint32.bind(this.usb);
+    this.usb.readUint32 = (offset) => (offset === SOF_RD ? this.frame() : read(offset));
     this.nextNs = 0;
     this.plugged = true;
+    /** Time since which the controller has hung, and at which the image has reset it. */
+    this.hungNs = undefined;
+    this.goneNs = undefined;
     this.carries = true;
     /** A program has the port open. */
     this.opens = false;
@@ -75,9 +84,27 @@ class UsbHost {
     if (!this.transactions) this.transactions = this.setLineState(true);
   }
 
+  /** The controller hears nothing any more. */
+  hang() {
+    this.hungNs = this.board.ns;
+  }
+
+  /** Number of the frame that the controller has heard last. */
+  frame() {
+    return Math.floor((this.hungNs ?? this.board.ns) / FRAME_NS) & 0x7ff;
+  }
+
   /** One transaction, if it is time for one. */
   step() {
     const { ns } = this.board;
+    if (this.hungNs !== undefined) {
+      if (!(this.board.inReset & USBCTRL)) return;
+      // The device is gone, and comes back with its pull-up.
+      this.goneNs = ns;
+      this.hungNs = undefined;
+      this.usb.sieCtrl &= ~PULLUP;
+      this.plugIn();
+    }
     if (ns < this.nextNs) return;
     this.nextNs = ns + TRANSACTION_NS;
     if (!this.plugged) {

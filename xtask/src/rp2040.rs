@@ -27,7 +27,7 @@ pub(crate) struct Rp2040Args {
     /// Execute the image on rp2040js, and check the pins
     #[arg(long)]
     run: bool,
-    /// One case alone: power-up, job, hung-tick, panic, usb
+    /// One case alone: power-up, job, hung-tick, free-run, panic, usb
     #[arg(long, requires = "run")]
     case: Option<String>,
 }

@@ -11,10 +11,6 @@ pub const BAUD: u32 = 921_600;
 /// Baud rate of the log.
 pub const LOG_BAUD: u32 = 115_200;
 
-/// Places for received bytes, which interrupt or DMA fills and the background empties; one stays empty. At 921,600 baud they
-/// last for 2.7 ms.
-pub const RECEIVED: usize = 256;
-
 /// Receiver's end of the line.
 pub trait ReceivedBytes {
     /// Takes the next byte that has come. Returns none if no further one is there.

@@ -159,9 +159,14 @@ impl<B: UsbBus, I: InterruptNumber> UsbLine<B, I> {
         }
     }
 
-    /// Returns true while a program has the port open, and the host has not let the bus rest, as without a cable.
+    /// Returns true while a host has chosen the configuration, and has not let the bus rest, as without a cable.
+    pub fn is_configured(&self) -> bool {
+        self.device.state() == UsbDeviceState::Configured
+    }
+
+    /// Returns true while a program has the port open, and the bus does not rest.
     fn is_open(&self) -> bool {
-        self.device.state() == UsbDeviceState::Configured && self.port.dtr()
+        self.is_configured() && self.port.dtr()
     }
 
     fn drop_frames(&mut self) {

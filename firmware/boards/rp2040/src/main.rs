@@ -210,6 +210,10 @@ mod app {
             }
             #[cfg(usb)]
             trirrr_app::usb::resume(super::board::device::interrupt::USB);
+            #[cfg(usb)]
+            if feeds {
+                line_port::look_at_frames();
+            }
         })
     }
 }

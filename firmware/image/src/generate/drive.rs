@@ -370,9 +370,17 @@ mod tests {
                 "samples",
             ),
             (
-                counted + &CONTROLLER.replace("5000", "30000"),
+                counted.clone() + &CONTROLLER.replace("5000", "30000"),
                 "controller.rate_hz",
                 "at most 20000",
+            ),
+            // 4 * 600,000 counts in a turn of the joint, at 8 rad/s.
+            (
+                format!(
+                    "[limits]\nrate_rad_s = 8.0\n{BLDC}encoder_counts_per_rev = 600000\n{CONTROLLER}"
+                ),
+                "drive[1].encoder_counts_per_rev",
+                "3055775 counts per second at [limits] rate_rad_s = 8.0; the inputs of a board take 3000000",
             ),
         ] {
             let error = drive(&with(&drives), &Units::SI).expect_err("refused");

@@ -297,6 +297,15 @@ impl Chip {
         self.can.advance(self.now, self.clocks.apb1, bus);
     }
 
+    /// Returns the time for which a level at an encoder's input has to last to count, of each motor.
+    pub(crate) fn shortest_levels(&self) -> [Time; 3] {
+        ENCODERS.map(|number| {
+            let timers = self.timers.iter().zip(TIMERS);
+            let mut of = timers.filter(|(_, timer)| timer.0 == number);
+            of.next().map_or(0, |(timer, _)| timer.shortest_level())
+        })
+    }
+
     /// Lets the machine behind the amplifiers go on to the present time.
     pub(crate) fn advance_rotors(&mut self) {
         let Some((rotors, on)) = &mut self.rotors else {

@@ -83,6 +83,35 @@ impl Timer {
         }
     }
 
+    /// Returns the time for which a level at an input of an encoder has to last to count, of the input that lets the shorter ones through (RM0090, 17.4.7).
+    pub(crate) fn shortest_level(&self) -> Time {
+        // Divider of the clock that samples, and samples.
+        const FILTERS: [(Time, Time); 16] = [
+            (1, 0),
+            (1, 2),
+            (1, 4),
+            (1, 8),
+            (2, 6),
+            (2, 8),
+            (4, 6),
+            (4, 8),
+            (8, 6),
+            (8, 8),
+            (16, 5),
+            (16, 6),
+            (16, 8),
+            (32, 5),
+            (32, 6),
+            (32, 8),
+        ];
+        let of = |channel: u8| FILTERS[(self.mode(channel) >> 4 & 0xF) as usize];
+        let times = [0, 1].map(|channel| {
+            let (divider, samples) = of(channel);
+            self.clock * divider * samples
+        });
+        times[0].min(times[1])
+    }
+
     /// Returns the set value of a channel's PWM, and the counts of its period; none if the timer does not drive it.
     pub(crate) fn set_value(&self, channel: u8) -> Option<(u16, u16)> {
         let full = (self.reload + 1).min(u32::from(u16::MAX)) as u16;

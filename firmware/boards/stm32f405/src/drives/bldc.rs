@@ -1,4 +1,7 @@
 //! Amplifiers and encoders: set values from TIM3, counters in TIM1, TIM4 and TIM5, loops called by TIM7.
+//!
+//! A level at an input of an encoder counts once it was the same in eight samples, one in four periods of the timer's clock (RM0090, 17.4.7). So
+//! what is shorter than 0.19 us (TIM1) or 0.38 us (TIM4, TIM5) does not count; `docs/board.md` has the rate of counts that is left.
 
 use super::DriveParts;
 use crate::board::{self, FailureInput, SetValue1, SetValue2, SetValue3};
@@ -104,6 +107,7 @@ pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BldcDrives, SampleTime
         Qei::new(peripherals.tim4, (pins.encoder_a_2, pins.encoder_b_2), rcc),
         Qei::new(peripherals.tim5, (pins.encoder_a_3, pins.encoder_b_3), rcc),
     );
+    filter_encoders();
 
     let (timer, clocks) = (SlotCounter::new(peripherals.slots, rcc), parts.clocks);
     let timer = SampleTimer {
@@ -127,4 +131,34 @@ pub(crate) fn build(parts: DriveParts, rcc: &mut Rcc) -> (BldcDrives, SampleTime
     }
     let drives = Bldcs::new::<Scalar>(&LINE, UNITS, parts.angles);
     (OrEmulated::Real(drives), timer)
+}
+
+/// Sets the filters at the inputs of the encoders, which the HAL leaves off: each spike would count.
+#[allow(unsafe_code)]
+fn filter_encoders() {
+    const EIGHT_OF_A_FOURTH: u8 = 0b0111;
+    // SAFETY: any filter is one, and the interrupt that reads the counters is not on yet.
+    unsafe {
+        let inputs = (&*TIM1::ptr()).ccmr1_input();
+        inputs.modify(|_, w| {
+            w.ic1f()
+                .bits(EIGHT_OF_A_FOURTH)
+                .ic2f()
+                .bits(EIGHT_OF_A_FOURTH)
+        });
+        let inputs = (&*TIM4::ptr()).ccmr1_input();
+        inputs.modify(|_, w| {
+            w.ic1f()
+                .bits(EIGHT_OF_A_FOURTH)
+                .ic2f()
+                .bits(EIGHT_OF_A_FOURTH)
+        });
+        let inputs = (&*TIM5::ptr()).ccmr1_input();
+        inputs.modify(|_, w| {
+            w.ic1f()
+                .bits(EIGHT_OF_A_FOURTH)
+                .ic2f()
+                .bits(EIGHT_OF_A_FOURTH)
+        });
+    }
 }

@@ -1,11 +1,16 @@
 //! Amplifiers, encoders and their loops as constants.
 
 use super::{DriveError, refuse};
+use std::f64::consts::TAU;
 use trirrr_core::units::Units;
 use trirrr_scene::{Bldc, Drive, FaultInput, Scene, Timing};
 
 /// Fastest loops of a board, Hz: three of them take some 900 cycles of the core.
 const LOOP_MAX_HZ: f64 = 20e3;
+
+/// Most counts of an encoder per second. A level at an input lasts for two of them, and the filter of a board takes levels from 0.43 us on: 4.6 million,
+/// of two inputs that change exactly in turn.
+const COUNTS_MAX_HZ: f64 = 3e6;
 
 /// Constants of the scene's loops, `first` for what all amplifiers share.
 pub(super) fn bldcs(
@@ -22,6 +27,7 @@ pub(super) fn bldcs(
             "missing: the board closes the loops around the motors, and has to know where they are";
         return refuse(without, "encoder_counts_per_rev", reason);
     }
+    check_encoders(scene, drives)?;
     let of_controller = |key: &str, reason: String| {
         Err(DriveError {
             key: key.into(),
@@ -75,4 +81,22 @@ pub(super) fn bldcs(
         rate_hz.round(),
         first.command_hz.round(),
     ))
+}
+
+/// Refuses limits at which an encoder counts faster than its inputs are read.
+fn check_encoders(scene: &Scene, drives: &[Drive; 3]) -> Result<(), DriveError> {
+    let rates = scene.limits.rate_rad_s.into_iter().flatten();
+    for (index, (drive, rate)) in drives.iter().zip(rates).enumerate() {
+        let counts = f64::from(drive.encoder_counts_per_rev.unwrap_or(0)) * drive.gear_ratio;
+        let per_second = counts * rate / TAU;
+        if per_second > COUNTS_MAX_HZ {
+            let reason = format!(
+                "{per_second:.0} counts per second at [limits] rate_rad_s = {rate:?}; the inputs of a board take \
+                 {COUNTS_MAX_HZ:.0}, which are {:.3} rad/s",
+                COUNTS_MAX_HZ * TAU / counts
+            );
+            return refuse(index, "encoder_counts_per_rev", reason);
+        }
+    }
+    Ok(())
 }
