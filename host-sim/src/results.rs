@@ -196,7 +196,9 @@ pub fn replace<T>(
     let result = write(File::create(&partial).map_err(failed)?);
     match &result {
         Ok(_) => fs::rename(&partial, path).map_err(failed)?,
-        Err(CliError::Refused(_)) => fs::remove_file(&partial).map_err(failed)?,
+        Err(CliError::Refused(_) | CliError::OtherNumbers { .. }) => {
+            fs::remove_file(&partial).map_err(failed)?
+        }
         Err(CliError::Failed(_)) if path.exists() => fs::remove_file(path).map_err(failed)?,
         Err(CliError::Failed(_)) => {}
     }

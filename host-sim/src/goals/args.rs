@@ -35,6 +35,12 @@ pub struct MachineArgs {
 }
 
 impl MachineArgs {
+    /// Returns the command `name` with `options` for this machine, for a user.
+    pub(crate) fn command(&self, name: &str, options: &str) -> String {
+        let (scene, port) = (self.scene.display(), &self.line.port);
+        format!("`trirrr {name} {scene} --port {port}{options}`")
+    }
+
     /// Opens the port. Returns it with the units of the machine of `scene` in the number type `N`, and the patience with the board.
     ///
     /// # Errors
@@ -123,7 +129,7 @@ pub struct FollowArgs {
 #[derive(Args, Clone, Debug)]
 #[command(after_help = "\
 `step DX DY [DALPHA]` moves by so much, m and rad. `speed VX VY [VALPHA]` moves at this velocity, m/s and rad/s, for the time of \
---renew; another such line before its end keeps the machine moving. `hold`, `resume`, `stop` and `feed PERCENT` are those of \
+--renew; another such line before its end keeps the machine moving. `hold`, `resume`, `stop`, `disable` and `feed PERCENT` are those of \
 `stream`. The machine comes to rest by itself when this program ends or the line breaks. The end of standard input ends the jog.")]
 pub struct JogArgs {
     /// The machine.

@@ -3,7 +3,7 @@
 use super::lines::{listen, numbers, standard_input};
 use super::session::{GoalSession, GoalSi, Goals};
 use crate::failure::CliError;
-use crate::stream::user_command;
+use crate::stream::{key_complaint, user_command};
 use crate::terminal::say;
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::Duration;
@@ -142,9 +142,7 @@ impl Goals for Jog {
                 Ok(line) => match read(&line) {
                     Some(line) => self.obey(line, session, now),
                     None if line.trim().is_empty() => {}
-                    None => say(
-                        "lines are step DX DY [DALPHA], speed VX VY [VALPHA], hold, resume, stop and feed PERCENT",
-                    ),
+                    None => say(&complaint(&line)),
                 },
                 Err(TryRecvError::Empty) => break,
                 Err(TryRecvError::Disconnected) => {
@@ -158,6 +156,18 @@ impl Goals for Jog {
         }
         self.go_on(session, now);
         Ok(())
+    }
+}
+
+/// Says what is wrong with a line.
+fn complaint(line: &str) -> String {
+    let word = line.split_whitespace().next().unwrap_or_default();
+    match word {
+        "step" => "step takes two or three finite numbers, m, m and rad: step 0.001 0".into(),
+        "speed" => "speed takes two or three finite numbers, m/s, m/s and rad/s: speed 0.01 0".into(),
+        _ => key_complaint(line).unwrap_or_else(|| {
+            "lines are step DX DY [DALPHA], speed VX VY [VALPHA], hold, resume, stop, disable and feed PERCENT".into()
+        }),
     }
 }
 

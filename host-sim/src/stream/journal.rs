@@ -8,8 +8,9 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use trirrr_client::{JobClient, JobPlace};
+use trirrr_client::{JobClient, JobMark, JobPlace};
 use trirrr_protocol::message::{JobLabel, Transmit};
+use trirrr_scene::NumberType;
 
 /// Name of the file.
 const FILE: &str = "job.json";
@@ -25,44 +26,41 @@ pub(super) struct JobKey {
     pub(super) label: JobLabel,
 }
 
-/// Account of a job.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct JournalEntry {
-    /// Items that the machine had taken.
-    pub(super) taken: u32,
-    /// Place from which it was played.
-    pub(super) from: JobPlace,
-    /// Place that the machine has reached.
-    pub(super) reached: JobPlace,
-}
-
 /// Journal of one job, which is written as the job goes on.
 pub(super) struct Journal {
     path: PathBuf,
     key: JobKey,
-    from: JobPlace,
-    reached: JobPlace,
+    mark: JobMark,
     written: Option<Instant>,
+    /// Number of the first move, as it was written.
+    first_move: Option<u32>,
 }
 
 impl Journal {
-    /// Prepares the journal in `folder` of a job that is played from `from` on. Nothing is written before the machine has
-    /// answered.
-    pub(super) fn new(folder: &Path, key: JobKey, from: JobPlace) -> Self {
+    /// Prepares the journal in `folder` of a job that goes on from `mark`. Nothing is written before the machine has answered.
+    pub(super) fn new(folder: &Path, key: JobKey, mark: JobMark) -> Self {
         Self {
             path: folder.join(FILE),
             key,
-            from,
-            reached: from,
+            mark,
             written: None,
+            first_move: None,
         }
+    }
+
+    /// Returns the number type in which the job of the journal in `folder` was begun, if there is one that names it.
+    pub(super) fn number(folder: &Path) -> Option<NumberType> {
+        let text = fs::read_to_string(folder.join(FILE)).ok()?;
+        let value: Value = serde_json::from_str(&text).ok()?;
+        let mut types = NumberType::ALL.into_iter();
+        types.find(|number| value["number"] == number.name())
     }
 
     /// Reads the journal in `folder` of the job `key`.
     ///
     /// # Errors
     /// Refused: there is none, or it is of another job.
-    pub(super) fn read(folder: &Path, key: &JobKey) -> Result<JournalEntry, CliError> {
+    pub(super) fn read(folder: &Path, key: &JobKey) -> Result<JobMark, CliError> {
         let path = folder.join(FILE);
         let refused = |why: &str| CliError::Refused(format!("{}: {why}", path.display()));
         let text = fs::read_to_string(&path).map_err(|error| match error.kind() {
@@ -71,7 +69,18 @@ impl Journal {
             ),
             _ => refused(&error.to_string()),
         })?;
-        let value: Value = serde_json::from_str(&text).unwrap_or_default();
+        let damaged = || {
+            refused(
+                "it is damaged: run the job again without --resume; `trirrr park` or --recover bring a machine back that stands in the middle of it",
+            )
+        };
+        let value: Value = serde_json::from_str(&text).map_err(|_| damaged())?;
+        let is_journal = ["scene", "number", "items", "check"]
+            .iter()
+            .all(|key| !value[key].is_null());
+        if !is_journal {
+            return Err(damaged());
+        }
         let is_of_job = value["scene"] == key.scene.as_str()
             && value["number"] == key.number.as_str()
             && value["items"] == key.label.items
@@ -89,26 +98,32 @@ impl Journal {
             })
         };
         let entry = || {
-            Some(JournalEntry {
+            Some(JobMark {
                 taken: number(&value["taken"])?,
+                first_move: number(&value["first_move"]),
                 from: place(&value["from"])?,
                 reached: place(&value["reached"])?,
             })
         };
-        entry().ok_or_else(|| refused("it is damaged"))
+        entry().ok_or_else(damaged)
     }
 
-    /// Takes note of a place that the machine has reached.
-    pub(super) fn reach(&mut self, place: JobPlace) {
-        self.reached = self.reached.max(place);
+    /// Takes in what `client` knows; `place` tells the place on the whole job.
+    pub(super) fn take<N: Transmit>(
+        &mut self,
+        client: &JobClient<N>,
+        place: &dyn Fn(JobPlace) -> JobPlace,
+    ) {
+        self.mark.note(client, place);
     }
 
-    /// Place that the machine has reached.
+    /// Place up to which the machine has played the job with its tool.
     pub(super) fn reached(&self) -> JobPlace {
-        self.reached
+        self.mark.reached
     }
 
-    /// Writes what `client` knows, now and then, or `now`.
+    /// Writes what was taken in, now and then, at once where the machine has got the name of the job, or `now`. Nothing is written before the
+    /// machine has answered.
     ///
     /// # Errors
     /// Failed: the file cannot be written.
@@ -120,25 +135,38 @@ impl Journal {
         let is_due = self
             .written
             .is_none_or(|written| written.elapsed() >= EVERY);
-        if client.status().is_none() || !(now || is_due) {
+        let JobMark {
+            taken,
+            first_move,
+            from,
+            reached,
+        } = self.mark;
+        let is_named = first_move != self.first_move;
+        if client.status().is_none() || !(now || is_due || is_named) {
             return Ok(());
         }
-        self.written = Some(Instant::now());
+        (self.written, self.first_move) = (Some(Instant::now()), first_move);
         let place = |place: JobPlace| json!({ "index": place.index, "at": place.at });
         let value = json!({
             "scene": self.key.scene,
             "number": self.key.number,
             "items": self.key.label.items,
             "check": self.key.label.check,
-            "taken": client.offered(),
-            "from": place(self.from),
-            "reached": place(self.reached),
+            "taken": taken,
+            "first_move": first_move,
+            "from": place(from),
+            "reached": place(reached),
         });
         // Another name first: a crash leaves the old file or the new one.
         let new = self.path.with_extension("json.new");
         fs::write(&new, format!("{value:#}\n"))
             .and_then(|()| fs::rename(&new, &self.path))
-            .map_err(|error| unwritable(&self.path, &error))
+            .map_err(|error| {
+                let why = unwritable(&self.path, &error);
+                CliError::Failed(format!(
+                    "{why}; the machine comes to rest on its path and waits: make room, then --resume goes on"
+                ))
+            })
     }
 
     /// Removes the journal of a job that is complete.
