@@ -1,6 +1,7 @@
 //! Failures of a command, and their exit codes.
 
 use trirrr_client::local::Unbuildable;
+use trirrr_scene::NumberType;
 
 /// Reason why a command failed.
 #[derive(Debug, thiserror::Error)]
@@ -12,6 +13,14 @@ pub enum CliError {
     /// in a status.
     #[error("{0}")]
     Failed(String),
+    /// The board computes in another number type than it was spoken to in. Nothing was asked of it.
+    #[error("{text}")]
+    OtherNumbers {
+        /// Number type of the board.
+        board: NumberType,
+        /// The same in words, with the option that leads on.
+        text: String,
+    },
 }
 
 impl From<Unbuildable> for CliError {
@@ -24,7 +33,7 @@ impl CliError {
     /// Returns 2 for a refusal, as clap does for arguments, and 1 for a failure.
     pub fn exit_code(&self) -> u8 {
         match self {
-            CliError::Refused(_) => 2,
+            CliError::Refused(_) | CliError::OtherNumbers { .. } => 2,
             CliError::Failed(_) => 1,
         }
     }

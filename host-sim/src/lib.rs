@@ -36,6 +36,7 @@ pub mod key;
 pub mod lagrange;
 pub mod linkage;
 pub mod machine;
+mod numbers;
 mod patched_scene;
 pub mod pictures;
 pub mod plan;

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import socket
 from typing import Protocol
 
@@ -10,6 +11,15 @@ from .errors import BoardError
 
 class PortError(BoardError, OSError):
     """The port cannot be opened, or is gone."""
+
+
+#: What a machine says over TCP in place of an answer, and what it means.
+_REFUSALS = {
+    b"\x00\x12trirrr: key needed": "the machine expects a key: reach it through `trirrr bridge` with --key",
+    b"\x00\x16trirrr: another client": (
+        "another client has the machine, which takes one at a time: end that client, or wait until it has gone"
+    ),
+}
 
 
 class Port(Protocol):
@@ -43,13 +53,18 @@ class _Tcp:
             raise PortError(f"{address}: {error}") from None
         # Frames are short and each is waited for.
         self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._first: bytes | None = b""
 
     def send(self, data: bytes) -> None:
         try:
             self._socket.settimeout(5)
             self._socket.sendall(data)
         except OSError as error:
-            raise PortError(f"the machine does not read: {error}") from None
+            # A machine that has closed the line may have said why.
+            with contextlib.suppress(PortError, OSError):
+                self._socket.settimeout(0.001)
+                self._look(self._socket.recv(65536))
+            raise PortError(self._why(f"the machine does not read: {error}")) from None
 
     def receive(self, timeout: float) -> bytes:
         try:
@@ -58,10 +73,24 @@ class _Tcp:
         except TimeoutError:
             return b""
         except OSError as error:
-            raise PortError(f"the line broke: {error}") from None
+            raise PortError(self._why(f"the line broke: {error}")) from None
         if not data:
-            raise PortError("the machine closed the line")
+            raise PortError(self._why("the machine closed the line"))
+        self._look(data)
         return data
+
+    def _look(self, data: bytes) -> None:
+        """Keeps the first bytes of the machine, while they may be the words of a refusal."""
+        if self._first is not None:
+            self._first += data
+            may_be = (w.startswith(self._first) or self._first.startswith(w) for w in _REFUSALS)
+            if not any(may_be):
+                self._first = None
+
+    def _why(self, else_: str) -> str:
+        """What the machine has said in place of an answer, or ``else_``."""
+        said = self._first or b""
+        return next((why for words, why in _REFUSALS.items() if said.startswith(words)), else_)
 
     def close(self) -> None:
         self._socket.close()

@@ -122,12 +122,11 @@ impl<N: Transmit> JobFailure<N> {
         }
     }
 
-    /// Returns true if the machine has nothing of the job any more, and would take it again.
+    /// Returns true if the machine has nothing of the job any more, and would take it again. A job that the user has stopped is not lost.
     pub fn loses_job(&self) -> bool {
         matches!(
             self,
             Self::Fault(_)
-                | Self::Stopped { .. }
                 | Self::Dropped { .. }
                 | Self::Restarted(_)
                 | Self::OtherJob(_)

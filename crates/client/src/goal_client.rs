@@ -3,8 +3,7 @@
 use crate::conversation::Conversation;
 use crate::describe::{self, Units};
 use crate::exchange::{Patience, Turn};
-use crate::job_client::UserCommand;
-use std::collections::VecDeque;
+use crate::user_commands::{UserCommand, UserCommands};
 use std::time::Duration;
 use trirrr_protocol::message::{
     Acting, Command, Event, Fault, Goal, Hello, Identity, Message, NotEnabled, Refusal, Reply,
@@ -51,11 +50,14 @@ pub struct GoalClient<N: Transmit> {
     conversation: Conversation<N>,
     /// The newest goal that the machine has not taken.
     wanted: Option<Goal<N>>,
-    orders: VecDeque<UserCommand>,
+    orders: UserCommands,
     /// There is no other goal behind the one that is wanted.
     is_last: bool,
     /// A goal was taken since the machine stood.
     is_under_way: bool,
+    /// The machine has taken a goal, and has not said that it refuses it. Each goal forgets the refusal of the one before: one that it names
+    /// from now on is of this goal, also where it is the same as before.
+    is_judging: bool,
     /// Violation by which the last goal was refused.
     refused: Option<Violation<N>>,
     look: Duration,
@@ -97,9 +99,10 @@ impl<N: Transmit> GoalClient<N> {
         Self {
             conversation: Conversation::new(hello, patience, conversation),
             wanted: None,
-            orders: VecDeque::new(),
+            orders: UserCommands::default(),
             is_last: false,
             is_under_way: false,
+            is_judging: false,
             refused: None,
             look: Duration::ZERO,
             pause: Duration::ZERO,
@@ -143,7 +146,7 @@ impl<N: Transmit> GoalClient<N> {
         if matches!(command, UserCommand::Stop | UserCommand::Disable) {
             self.wanted = None;
         }
-        self.orders.push_back(command);
+        self.orders.push(command);
     }
 
     /// Returns the identity of the machine that answered.
@@ -168,6 +171,7 @@ impl<N: Transmit> GoalClient<N> {
 
     /// Begins the conversation again on a port that was opened anew.
     pub fn reconnected(&mut self) {
+        self.orders.recall();
         self.conversation.reconnected();
     }
 
@@ -195,11 +199,11 @@ impl<N: Transmit> GoalClient<N> {
         let Some(status) = self.status().copied().filter(|_| now < self.look) else {
             return Some(Command::Status);
         };
-        if let Some(order) = self.orders.pop_front() {
-            return Some(order.into());
-        }
         if now < self.pause {
             return None;
+        }
+        if let Some(order) = self.orders.ask() {
+            return Some(order.into());
         }
         match status.state {
             State::Disabled if !self.is_enabled => return Some(Command::Enable),
@@ -245,13 +249,18 @@ impl<N: Transmit> GoalClient<N> {
             return;
         };
         match reply {
-            Reply::Hello(_) => self.look = now,
+            Reply::Hello(_) => {
+                self.orders.recall();
+                self.look = now;
+            }
             Reply::Status(status) => self.on_status(status, now),
             Reply::Done => {
                 if let Command::Retarget(goal) = command {
                     self.ends_moving = false;
+                    self.is_judging = true;
                     self.wanted = self.wanted.filter(|wanted| *wanted != goal);
                 }
+                self.orders.settle(&command);
                 self.is_enabled |= command == Command::Enable;
                 // What it changes, the next status says.
                 self.look = now;
@@ -279,9 +288,8 @@ impl<N: Transmit> GoalClient<N> {
             self.result = Some(Err(why.map_or(state, GoalFailure::NotEnabled)));
             return;
         }
-        // Each offer forgets the refusal before it.
-        let is_known = before.is_some_and(|before| before.refused == status.refused);
-        if let Some(verdict) = status.refused.filter(|_| !is_known) {
+        if let Some(verdict) = status.refused.filter(|_| self.is_judging) {
+            self.is_judging = false;
             self.refused = verdict.violation;
         }
         let stopped = matches!(status.acting, Acting::Stop | Acting::Silence);
@@ -295,6 +303,10 @@ impl<N: Transmit> GoalClient<N> {
 
     fn on_refusal(&mut self, command: &Command<N>, refusal: Refusal<N>, now: Duration) {
         self.ends_moving |= refusal == Refusal::EndsMoving;
+        match refusal {
+            Refusal::Busy => self.orders.recall(),
+            _ => self.orders.settle(command),
+        }
         match (command, refusal) {
             // Not yet.
             (
@@ -316,8 +328,94 @@ impl<N: Transmit> GoalClient<N> {
                 Command::Hold | Command::Resume | Command::Start | Command::Enable,
                 Refusal::State(_),
             )
-            | (Command::Resume, Refusal::DoorOpen) => {}
+            | (Command::Resume, Refusal::DoorOpen) => {
+                // The status is older than what refuses it.
+                self.pause = now + PAUSE;
+                self.look = self.pause;
+            }
             (_, refusal) => self.result = Some(Err(GoalFailure::Refused(refusal))),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::local::{self, LocalService};
+    use trirrr_core::setpoint::Pose;
+    use trirrr_scene::Scene;
+
+    /// A client and a machine in one program, until the client has nothing to do for some ticks.
+    fn talk(client: &mut GoalClient<f32>, machine: &mut dyn LocalService<f32>, now: &mut Duration) {
+        for _ in 0..400 {
+            while let GoalAction::Send(request) = client.poll(*now) {
+                let reply = machine.receive(&request);
+                let sequence = request.sequence;
+                client.receive(&Message::Reply { sequence, reply }, *now);
+            }
+            machine.tick();
+            while machine.work() {}
+            while let Some(message) = machine.outgoing() {
+                client.receive(&message, *now);
+            }
+            *now += Duration::from_millis(10);
+        }
+    }
+
+    fn goal(x: f64, y: f64) -> Goal<f32> {
+        Goal {
+            to: Pose::from_f64(x, y, 0.15),
+            velocity: [0.0; 3],
+            cut: true,
+            least_ticks: 0,
+        }
+    }
+
+    /// The machine remembers a refusal until the next goal: it is of none of another client, and one like it is told again.
+    #[test]
+    fn a_refusal_is_of_the_goal_that_the_machine_has_taken() {
+        let scene = Scene::read("../../scenes/thesis.toml").unwrap();
+        let hello = local::hello::<f32>(&scene);
+        local::with_machine::<f32, _>(&scene, |machine| {
+            let mut now = Duration::ZERO;
+            let mut client = GoalClient::new(hello, Patience::default(), 1);
+            for _ in 0..2 {
+                client.aim(goal(0.9, 0.27));
+                talk(&mut client, machine, &mut now);
+                assert!(client.take_refused().is_some(), "{:?}", client.status());
+            }
+            assert!(client.status().unwrap().refused.is_some());
+            let mut client = GoalClient::new(hello, Patience::default(), 1 << 16);
+            talk(&mut client, machine, &mut now);
+            assert_eq!(client.take_refused(), None, "no goal was given");
+            client.aim(goal(0.23, 0.23));
+            talk(&mut client, machine, &mut now);
+            assert_eq!(client.take_refused(), None);
+            let end = client.status().unwrap().end.unwrap();
+            assert_eq!(end.pose, goal(0.23, 0.23).to);
+        })
+        .unwrap();
+    }
+
+    /// A line that is lost, or a machine that was switched on anew, takes no command of the user away.
+    #[test]
+    fn a_stop_that_was_lost_is_asked_again() {
+        let scene = Scene::read("../../scenes/thesis.toml").unwrap();
+        let hello = local::hello::<f32>(&scene);
+        let mut client = GoalClient::<f32>::new(hello, Patience::default(), 1);
+        local::with_machine::<f32, _>(&scene, |machine| {
+            let mut now = Duration::ZERO;
+            talk(&mut client, machine, &mut now);
+            client.aim(goal(0.28, 0.28));
+            talk(&mut client, machine, &mut now);
+            client.command(UserCommand::Disable);
+            // Sent, and never there.
+            let sent = client.poll(now);
+            assert!(matches!(sent, GoalAction::Send(_)), "{sent:?}");
+            client.reconnected();
+            talk(&mut client, machine, &mut now);
+            assert_eq!(machine.state(), State::Disabled);
+        })
+        .unwrap();
     }
 }

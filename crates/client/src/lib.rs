@@ -27,6 +27,7 @@ pub mod exchange;
 mod failure;
 mod goal_client;
 mod job_client;
+mod job_mark;
 pub mod local;
 mod manual_client;
 pub mod records;
@@ -35,15 +36,16 @@ pub mod runner;
 mod scene_image;
 pub mod transport;
 mod update_client;
+mod user_commands;
 
 pub use approach::short_way;
 pub use exchange::Patience;
 pub use failure::JobFailure;
 pub use goal_client::{GoalAction, GoalClient, GoalFailure};
-pub use job_client::{
-    Action, JobClient, JobWork, MoveChecksum, SuppliedMoves, UserCommand, switched_label,
-};
+pub use job_client::{Action, JobClient, JobWork, MoveChecksum, SuppliedMoves, switched_label};
+pub use job_mark::{BegunJob, JobMark};
 pub use manual_client::{ManualAction, ManualClient};
 pub use resume::{JobPlace, JobRest};
 pub use scene_image::SceneImage;
 pub use update_client::{ProgramImage, UpdateAction, UpdateClient, UpdateFailure};
+pub use user_commands::UserCommand;

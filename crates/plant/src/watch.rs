@@ -72,7 +72,10 @@ impl fmt::Display for Ending {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let t = self.t;
         match self.cause {
-            Cause::Parallel => write!(f, "passes a parallel singularity at t = {t:.6} s"),
+            Cause::Parallel => write!(
+                f,
+                "the machine passes a parallel singularity at t = {t:.6} s"
+            ),
             Cause::Serial(leg) => {
                 write!(f, "leg {} is stretched or folded at t = {t:.6} s", leg + 1)
             }

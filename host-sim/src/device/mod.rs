@@ -20,7 +20,7 @@ use server::{Server, Surroundings};
 use std::io;
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use trirrr_client::describe::Units;
 use trirrr_client::local;
 use trirrr_client::local::HostNumber;
@@ -201,19 +201,119 @@ fn run<N: ServiceNumber>(
     stop: &AtomicBool,
 ) -> io::Result<(EventLog, u64, Deadlines)> {
     let mut pacer = Pacer::start(rate_hz);
+    let mut turns = Turns::default();
     let mut tick = 0;
     while !stop.load(Ordering::Relaxed) {
         let left = pacer.left(tick);
-        if left.is_zero() {
+        if turns.is_for_tick(left, Instant::now()) {
             server.tick()?;
             if pacer.done(tick) {
                 server.count_late();
             }
             tick += 1;
-        } else if !server.serve()? {
+            continue;
+        }
+        let is_busy = server.serve()?;
+        turns.served(is_busy);
+        if !is_busy && !left.is_zero() {
             std::thread::sleep(left.min(LOOK));
         }
     }
     let (log, clients) = server.end();
     Ok((log, clients, pacer.finish()))
+}
+
+/// Longest time that late ticks keep the line waiting, and that the line keeps late ticks waiting.
+const TURN: Duration = Duration::from_millis(4);
+
+/// Turns of ticks and of the line. A tick that is due goes first; on a computer that is too busy ticks are always due, and the line would
+/// never be served until it is idle.
+#[derive(Clone, Copy, Debug, Default)]
+struct Turns {
+    /// Start of the ticks since the line was idle, if there were any,
+    ticks: Option<Instant>,
+    /// and of the turn of the line.
+    line: Option<Instant>,
+}
+
+impl Turns {
+    /// Returns true if the next act at `now` is a tick, which is due in `left`.
+    fn is_for_tick(&mut self, left: Duration, now: Instant) -> bool {
+        if !left.is_zero() {
+            return false;
+        }
+        match self.line {
+            Some(since) if now.duration_since(since) < TURN => false,
+            Some(_) => {
+                *self = Self {
+                    ticks: Some(now),
+                    line: None,
+                };
+                true
+            }
+            None => {
+                let since = *self.ticks.get_or_insert(now);
+                let is_for_tick = now.duration_since(since) < TURN;
+                if !is_for_tick {
+                    self.line = Some(now);
+                }
+                is_for_tick
+            }
+        }
+    }
+
+    /// The line was served, and is idle unless it `is_busy`.
+    fn served(&mut self, is_busy: bool) {
+        if !is_busy {
+            *self = Self::default();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Plays 100 ms in virtual time: each tick takes `tick`, each look at the line `look`, of which `looks` follow each tick of `period`.
+    /// Returns ticks, and the longest time until the line was idle.
+    fn play(period: Duration, tick: Duration, look: Duration, looks: u32) -> (u32, Duration) {
+        let start = Instant::now();
+        let (mut now, mut turns) = (start, Turns::default());
+        let (mut ticks, mut open, mut idle, mut longest) = (0, 0, start, Duration::ZERO);
+        while now < start + Duration::from_millis(100) {
+            let left = (start + ticks * period).saturating_duration_since(now);
+            if turns.is_for_tick(left, now) {
+                now += tick;
+                ticks += 1;
+                open += looks;
+                continue;
+            }
+            let is_busy = open > 0;
+            open = open.saturating_sub(1);
+            turns.served(is_busy);
+            now += look;
+            if !is_busy {
+                longest = longest.max(now - idle);
+                now += left;
+                idle = now;
+            }
+        }
+        (ticks, longest)
+    }
+
+    #[test]
+    fn late_ticks_do_not_starve_the_line() {
+        let us = Duration::from_micros;
+        // In time: each tick is played when it is due.
+        let (ticks, longest) = play(us(1000), us(50), us(20), 5);
+        assert_eq!(ticks, 100);
+        assert!(longest < us(1100), "{longest:?}");
+        // Too slow by far: the line is served until idle after each few milliseconds of ticks, and the ticks go on.
+        let (ticks, longest) = play(us(20), us(50), us(1), 5);
+        assert!(ticks > 1500, "{ticks}");
+        assert!(longest < 2 * TURN + us(100), "{longest:?}");
+        // A line that is never idle takes half of the time.
+        let (ticks, _) = play(us(20), us(50), us(20), 1000);
+        assert!((900..1100).contains(&ticks), "{ticks}");
+    }
 }

@@ -35,6 +35,12 @@ pub struct MachineArgs {
 }
 
 impl MachineArgs {
+    /// Returns the command `name` with `options` for this machine, for a user.
+    pub(crate) fn command(&self, name: &str, options: &str) -> String {
+        let (scene, port) = (self.scene.display(), &self.line.port);
+        format!("`trirrr {name} {scene} --port {port}{options}`")
+    }
+
     /// Opens the port. Returns it with the units of the machine of `scene` in the number type `N`, and the patience with the board.
     ///
     /// # Errors

@@ -11,6 +11,7 @@ mod session;
 pub use args::{FollowArgs, GotoArgs, JogArgs, MachineArgs, ParkArgs};
 
 use crate::failure::CliError;
+use crate::numbers::in_boards_numbers;
 use crate::terminal::print;
 use session::{GoalSession, Goals};
 use std::sync::atomic::AtomicBool;
@@ -32,8 +33,11 @@ pub fn goto(args: &GotoArgs, stop: &AtomicBool) -> Result<bool, CliError> {
 /// As [`goto()`].
 pub fn park(args: &ParkArgs, stop: &AtomicBool) -> Result<bool, CliError> {
     let scene = args.machine.set.scene_to_move(&args.machine.scene)?;
-    let scalar = args.machine.scalar.unwrap_or(scene.number);
-    in_number_type!(scalar, N => park::park::<N>(args, &scene, stop))
+    in_boards_numbers(
+        args.machine.scalar,
+        scene.number,
+        |number| in_number_type!(number, N => park::park::<N>(args, &scene, stop)),
+    )
 }
 
 /// Moves by steps and at velocities. Returns as [`goto()`].
@@ -60,8 +64,11 @@ fn command(
     stop: &AtomicBool,
 ) -> Result<bool, CliError> {
     let scene = args.set.scene_to_move(&args.scene)?;
-    let scalar = args.scalar.unwrap_or(scene.number);
-    in_number_type!(scalar, N => run::<N>(args, &scene, goals, strict, stop))
+    in_boards_numbers(
+        args.scalar,
+        scene.number,
+        |number| in_number_type!(number, N => run::<N>(args, &scene, goals, strict, stop)),
+    )
 }
 
 fn run<N: ServiceNumber>(

@@ -2,6 +2,7 @@
 
 use super::args::ParkArgs;
 use crate::failure::CliError;
+use crate::numbers::refused;
 use crate::stream::{Port, conversation};
 use crate::terminal::{print, say};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -94,7 +95,8 @@ pub(super) fn park<N: ServiceNumber>(
         Some(failure) => {
             let text = failure.describe("move", 0, &units);
             Err(match failure {
-                JobFailure::Refused { .. } | JobFailure::NoWay { .. } => CliError::Refused(text),
+                JobFailure::Refused { refusal, .. } => refused(&refusal, text),
+                JobFailure::NoWay { .. } => CliError::Refused(text),
                 _ => CliError::Failed(text),
             })
         }
@@ -102,6 +104,8 @@ pub(super) fn park<N: ServiceNumber>(
 }
 
 fn reopen(port: &mut Port, why: &str, stop: &AtomicBool) -> Result<(), CliError> {
-    say(&format!("{why}; opening the port anew"));
+    if let Some(text) = port.reopening(why) {
+        say(&text);
+    }
     port.reopen(why, stop).map_err(CliError::Failed)
 }

@@ -2,6 +2,7 @@
 
 use super::args::MachineArgs;
 use crate::failure::CliError;
+use crate::numbers::refused;
 use crate::stream::{Port, conversation};
 use crate::terminal::say;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -53,6 +54,7 @@ pub(super) trait Goals {
 
 /// Goals under way.
 pub(super) struct GoalSession<'a, N: Transmit> {
+    args: &'a MachineArgs,
     client: GoalClient<N>,
     port: Port,
     units: trirrr_core::units::Units,
@@ -71,7 +73,7 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
     /// # Errors
     /// Refused: the scene in this number type. Failed: the port.
     pub(super) fn open(
-        args: &MachineArgs,
+        args: &'a MachineArgs,
         scene: &Scene,
         stop: &'a AtomicBool,
     ) -> Result<Self, CliError> {
@@ -82,6 +84,7 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
             client.command(UserCommand::FeedOverride(percent));
         }
         Ok(Self {
+            args,
             client,
             port,
             words: Units::of_scene(scene, &units),
@@ -167,7 +170,8 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
                 self.command(UserCommand::Stop);
                 self.finish();
             }
-            if !stop_asked {
+            // A board that computes in other numbers refuses the hello: the goals are for another conversation then.
+            if !stop_asked && self.client.identity().is_some() {
                 goals.want(self, start.elapsed())?;
             }
             if let Some(violation) = self.client.take_refused() {
@@ -197,8 +201,22 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
                 }
                 GoalAction::Finished(Err(failure)) => {
                     let text = failure.describe(&self.words);
+                    let text = match failure {
+                        GoalFailure::Fault(_) => {
+                            let command = self.args.command("enable", " --clear");
+                            format!("{text}; {command} acknowledges it")
+                        }
+                        GoalFailure::State(State::Unhomed) => {
+                            format!("{text}: {} homes it", self.args.command("park", ""))
+                        }
+                        GoalFailure::State(State::Cleared) => format!(
+                            "{text}: {} brings it to the start of its job",
+                            self.args.command("stream", " --recover 2")
+                        ),
+                        _ => text,
+                    };
                     return Err(match failure {
-                        GoalFailure::Refused(_) => CliError::Refused(text),
+                        GoalFailure::Refused(refusal) => refused(&refusal, text),
                         _ => CliError::Failed(text),
                     });
                 }
@@ -217,7 +235,9 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
     }
 
     fn reopen(&mut self, why: &str) -> Result<(), CliError> {
-        say(&format!("{why}; opening the port anew"));
+        if let Some(text) = self.port.reopening(why) {
+            say(&text);
+        }
         self.port.reopen(why, self.stop).map_err(CliError::Failed)?;
         self.client.reconnected();
         Ok(())

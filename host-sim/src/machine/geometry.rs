@@ -3,6 +3,7 @@
 use super::talk::Talk;
 use crate::failure::CliError;
 use crate::goals::MachineArgs;
+use crate::numbers::in_boards_numbers;
 use std::sync::atomic::AtomicBool;
 use trirrr_client::describe;
 use trirrr_core::machine::Parameters;
@@ -32,14 +33,16 @@ pub(crate) fn replace_geometry(
     offsets_rad: [f64; 3],
     stop: &AtomicBool,
 ) -> Result<ReplacedGeometry, CliError> {
-    in_number_type!(args.scalar.unwrap_or(scene.number), N => {
-        let mut talk = Talk::<N>::open(args, scene, stop)?;
-        // The board's legs are given from the point of the tool that is mounted now.
-        let machine = match scene.tools {
-            Some(_) => machine.at_tool_point(read_platform(&mut talk)?.tool_point_m.into()),
-            None => *machine,
-        };
-        replace(&mut talk, &machine, offsets_rad)
+    in_boards_numbers(args.scalar, scene.number, |number| {
+        in_number_type!(number, N => {
+            let mut talk = Talk::<N>::open(args, scene, stop)?;
+            // The board's legs are given from the point of the tool that is mounted now.
+            let machine = match scene.tools {
+                Some(_) => machine.at_tool_point(read_platform(&mut talk)?.tool_point_m.into()),
+                None => *machine,
+            };
+            replace(&mut talk, &machine, offsets_rad)
+        })
     })
 }
 

@@ -15,6 +15,7 @@ pub use tool::{ToolArgs, tool};
 
 use crate::failure::CliError;
 use crate::goals::MachineArgs;
+use crate::numbers::in_boards_numbers;
 use crate::terminal::print;
 use clap::Args;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -78,24 +79,30 @@ pub struct DrivesArgs {
 /// Refused: the scene. Failed: the port, the board, a fault, or a drive that does not go on.
 pub fn enable(args: &EnableArgs, stop: &AtomicBool) -> Result<(), CliError> {
     let scene = args.machine.set.scene(&args.machine.scene)?;
-    in_number_type!(args.machine.scalar.unwrap_or(scene.number), N => {
-        let mut talk = Talk::<N>::open(&args.machine, &scene, stop)?;
-        if args.clear {
-            talk.clear()?;
-        }
-        let status = talk.status()?;
-        if status.state == State::Disabled {
-            talk.done(Command::Enable)?;
-        }
-        let status = settled(&mut talk)?;
-        match (status.state, status.fault, status.not_enabled) {
-            (_, Some(fault), _) => Err(CliError::Failed(describe::fault(&fault, &talk.units()))),
-            (State::Disabled, _, Some(why)) => {
-                Err(CliError::Failed(format!("not enabled: {}", describe::not_enabled(&why))))
+    in_boards_numbers(args.machine.scalar, scene.number, |number| {
+        in_number_type!(number, N => {
+            let mut talk = Talk::<N>::open(&args.machine, &scene, stop)?;
+            if args.clear {
+                talk.clear()?;
             }
-            (State::Disabled, ..) => Err(CliError::Failed("the drives went off again".into())),
-            _ => say(&talk, &status),
-        }
+            let status = talk.status()?;
+            if status.state == State::Disabled {
+                talk.done(Command::Enable)?;
+            }
+            let status = settled(&mut talk)?;
+            match (status.state, status.fault, status.not_enabled) {
+                (_, Some(fault), _) => {
+                let fault = describe::fault(&fault, &talk.units());
+                let command = args.machine.command("enable", " --clear");
+                Err(CliError::Failed(format!("{fault}; {command} acknowledges it")))
+            }
+                (State::Disabled, _, Some(why)) => {
+                    Err(CliError::Failed(format!("not enabled: {}", describe::not_enabled(&why))))
+                }
+                (State::Disabled, ..) => Err(CliError::Failed("the drives went off again".into())),
+                _ => say(&talk, &status),
+            }
+        })
     })
 }
 
@@ -105,17 +112,19 @@ pub fn enable(args: &EnableArgs, stop: &AtomicBool) -> Result<(), CliError> {
 /// As [`enable`].
 pub fn disable(args: &DisableArgs, stop: &AtomicBool) -> Result<(), CliError> {
     let scene = args.machine.set.scene(&args.machine.scene)?;
-    in_number_type!(args.machine.scalar.unwrap_or(scene.number), N => {
-        let mut talk = Talk::<N>::open(&args.machine, &scene, stop)?;
-        talk.done(Command::Disable)?;
-        let status = settled(&mut talk)?;
-        match status.state {
-            State::Disabled | State::Fault => say(&talk, &status),
-            state => Err(CliError::Failed(format!(
-                "the machine is not off: {}",
-                describe::state(state, status.acting)
-            ))),
-        }
+    in_boards_numbers(args.machine.scalar, scene.number, |number| {
+        in_number_type!(number, N => {
+            let mut talk = Talk::<N>::open(&args.machine, &scene, stop)?;
+            talk.done(Command::Disable)?;
+            let status = settled(&mut talk)?;
+            match status.state {
+                State::Disabled | State::Fault => say(&talk, &status),
+                state => Err(CliError::Failed(format!(
+                    "the machine is not off: {}",
+                    describe::state(state, status.acting)
+                ))),
+            }
+        })
     })
 }
 
@@ -125,7 +134,11 @@ pub fn disable(args: &DisableArgs, stop: &AtomicBool) -> Result<(), CliError> {
 /// As [`enable`]; refused: a machine whose drives tell nothing.
 pub fn drives(args: &DrivesArgs, stop: &AtomicBool) -> Result<(), CliError> {
     let scene = args.machine.set.scene(&args.machine.scene)?;
-    in_number_type!(args.machine.scalar.unwrap_or(scene.number), N => show::<N>(args, &scene, stop))
+    in_boards_numbers(
+        args.machine.scalar,
+        scene.number,
+        |number| in_number_type!(number, N => show::<N>(args, &scene, stop)),
+    )
 }
 
 /// Waits for a state that lasts.

@@ -3,6 +3,7 @@
 use super::talk::Talk;
 use crate::failure::CliError;
 use crate::goals::MachineArgs;
+use crate::numbers::in_boards_numbers;
 use crate::terminal::print;
 use clap::{Args, ValueEnum};
 use std::sync::atomic::AtomicBool;
@@ -61,13 +62,15 @@ pub fn output(args: &OutputArgs, stop: &AtomicBool) -> Result<(), CliError> {
         (Some(name), Some(level)) => Some((numbered(&scene, name)?, level == OutputLevel::On)),
         _ => None,
     };
-    in_number_type!(args.machine.scalar.unwrap_or(scene.number), N => {
-        let mut talk = Talk::<N>::open(&args.machine, &scene, stop)?;
-        if let Some((index, on)) = wanted {
-            switch(&mut talk, &scene, index, on)?;
-        }
-        let states = states(&mut talk)?;
-        print(&lines(&scene, &states))
+    in_boards_numbers(args.machine.scalar, scene.number, |number| {
+        in_number_type!(number, N => {
+            let mut talk = Talk::<N>::open(&args.machine, &scene, stop)?;
+            if let Some((index, on)) = wanted {
+                switch(&mut talk, &scene, index, on)?;
+            }
+            let states = states(&mut talk)?;
+            print(&lines(&scene, &states))
+        })
     })
 }
 

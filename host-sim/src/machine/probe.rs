@@ -4,6 +4,7 @@ use super::settled;
 use super::talk::Talk;
 use crate::failure::CliError;
 use crate::goals::MachineArgs;
+use crate::numbers::in_boards_numbers;
 use crate::terminal::print;
 use clap::Args;
 use std::sync::atomic::AtomicBool;
@@ -49,14 +50,16 @@ pub struct ProbeArgs {
 /// Refused: the scene, the way, or by the board. Failed: the port, a fault, or no contact.
 pub fn probe(args: &ProbeArgs, stop: &AtomicBool) -> Result<(), CliError> {
     let scene = args.machine.set.scene(&args.machine.scene)?;
-    in_number_type!(args.machine.scalar.unwrap_or(scene.number), N => {
-        let mut talk = Talk::<N>::open(&args.machine, &scene, stop)?;
-        let units = trirrr_scene::units::<N>(&scene)
-            .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
-        let [x, y, alpha] = [0, 1, 2].map(|i| args.to.get(i).copied().unwrap_or_default());
-        let to = offer::pose(&units.pose(&Pose::from_f64(x, y, alpha)));
-        let ticks = (args.seconds * scene.tick_rate_hz).ceil().clamp(1.0, f64::from(u32::MAX));
-        run(&mut talk, to, ticks as u32, args.away)
+    in_boards_numbers(args.machine.scalar, scene.number, |number| {
+        in_number_type!(number, N => {
+            let mut talk = Talk::<N>::open(&args.machine, &scene, stop)?;
+            let units = trirrr_scene::units::<N>(&scene)
+                .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
+            let [x, y, alpha] = [0, 1, 2].map(|i| args.to.get(i).copied().unwrap_or_default());
+            let to = offer::pose(&units.pose(&Pose::from_f64(x, y, alpha)));
+            let ticks = (args.seconds * scene.tick_rate_hz).ceil().clamp(1.0, f64::from(u32::MAX));
+            run(&mut talk, to, ticks as u32, args.away)
+        })
     })
 }
 

@@ -2,12 +2,14 @@
 
 use crate::failure::CliError;
 use crate::goals::MachineArgs;
+use crate::numbers::refused;
 use crate::stream::{Port, conversation};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use trirrr_client::describe::{self, Units};
 use trirrr_client::exchange::{Exchange, Turn};
 use trirrr_client::local;
+use trirrr_client::transport::OtherClient;
 use trirrr_protocol::message::{Command, Message, Refusal, Reply, State, Status};
 use trirrr_scene::Scene;
 use trirrr_service::ServiceNumber;
@@ -49,11 +51,10 @@ impl<'a, N: ServiceNumber> Talk<'a, N> {
         talk.exchange.greet(hello, talk.start.elapsed());
         match talk.converse()? {
             Reply::Hello(_) => Ok(talk),
-            Reply::Refused(refusal) => Err(CliError::Refused(describe::refusal(
-                &refusal,
-                0,
-                &talk.units,
-            ))),
+            Reply::Refused(refusal) => {
+                let text = describe::refusal(&refusal, 0, &talk.units);
+                Err(refused(&refusal, text))
+            }
             _ => Err(CliError::Failed("the board answers something else".into())),
         }
     }
@@ -135,7 +136,6 @@ impl<'a, N: ServiceNumber> Talk<'a, N> {
     }
 
     fn receive(&mut self, wait: Duration) -> Result<Vec<Message<N>>, CliError> {
-        let lost = |error: std::io::Error| CliError::Failed(format!("the port is lost: {error}"));
         self.port.receive(wait).map_err(lost)
     }
 
@@ -145,10 +145,7 @@ impl<'a, N: ServiceNumber> Talk<'a, N> {
                 return Err(CliError::Failed("ended by Ctrl-C".into()));
             }
             match self.exchange.poll(self.start.elapsed()) {
-                Turn::Send(request) => self
-                    .port
-                    .send(&request)
-                    .map_err(|error| CliError::Failed(format!("the port is lost: {error}")))?,
+                Turn::Send(request) => self.port.send(&request).map_err(lost)?,
                 Turn::Wait(until) => {
                     let wait = until.saturating_sub(self.start.elapsed()).min(LOOK);
                     for message in self.receive(wait)? {
@@ -164,4 +161,11 @@ impl<'a, N: ServiceNumber> Talk<'a, N> {
             }
         }
     }
+}
+
+fn lost(error: std::io::Error) -> CliError {
+    CliError::Failed(match OtherClient::is_in(&error) {
+        true => error.to_string(),
+        false => format!("the port is lost: {error}"),
+    })
 }

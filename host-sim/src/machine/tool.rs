@@ -4,6 +4,7 @@ use super::geometry::{read_platform, stands};
 use super::talk::Talk;
 use crate::failure::CliError;
 use crate::goals::MachineArgs;
+use crate::numbers::in_boards_numbers;
 use crate::terminal::print;
 use clap::Args;
 use std::sync::atomic::AtomicBool;
@@ -52,12 +53,14 @@ pub fn tool(args: &ToolArgs, stop: &AtomicBool) -> Result<(), CliError> {
             ))
         })?),
     };
-    in_number_type!(args.machine.scalar.unwrap_or(scene.number), N => {
-        let mut talk = Talk::<N>::open(&args.machine, &scene, stop)?;
-        match wanted {
-            Some(index) => mount(&mut talk, &scene, rack, index),
-            None => show(&mut talk, &scene, rack),
-        }
+    in_boards_numbers(args.machine.scalar, scene.number, |number| {
+        in_number_type!(number, N => {
+            let mut talk = Talk::<N>::open(&args.machine, &scene, stop)?;
+            match wanted {
+                Some(index) => mount(&mut talk, &scene, rack, index),
+                None => show(&mut talk, &scene, rack),
+            }
+        })
     })
 }
 

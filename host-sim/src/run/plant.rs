@@ -191,7 +191,7 @@ fn write_row(table: &mut impl Write, row: &Row) -> io::Result<()> {
 pub(super) fn print(out: &mut dyn Write, simulated: &Simulated) -> io::Result<()> {
     let outcome = &simulated.outcome;
     writeln!(out)?;
-    let (simulated_s, took) = (outcome.simulated_s, seconds(outcome.elapsed));
+    let (simulated_s, took) = (digits(outcome.simulated_s), seconds(outcome.elapsed));
     let ratio = digits(outcome.ratio());
     line(
         out,
@@ -298,10 +298,16 @@ fn limits(out: &mut dyn Write, index: usize, motor: &MotorStatistics) -> io::Res
         line(out, "  motor", text)?;
     }
     if let Some(first) = motor.first_slip {
+        let side = if motor.lost_steps < 0 {
+            "ahead of"
+        } else {
+            "behind"
+        };
         let text = format!(
             "{number} lost steps: {} slips of four full steps, the first at t = {first:.4} s; at \
-             the end {} full steps behind",
-            motor.slips, motor.lost_steps
+             the end {} full steps {side} its command",
+            motor.slips,
+            motor.lost_steps.abs()
         );
         line(out, "  motor", &text)?;
     }

@@ -9,6 +9,7 @@ use crate::terminal::digits;
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::Duration;
+use trirrr_scene::words::short;
 use trirrr_scene::{Scene, visible};
 
 /// Prints the summary of a run of `scene`, read from `file`.
@@ -50,7 +51,7 @@ fn job(out: &mut dyn Write, file: &Path, scene: &Scene, report: &RunReport) -> i
         count => format!("{count} moves"),
     };
     let (ticks, rate) = (scene.ticks(), scene.tick_rate_hz);
-    let duration = f64::from(ticks) / rate;
+    let duration = short(f64::from(ticks) / rate);
     line(
         out,
         "job",

@@ -141,6 +141,7 @@ impl Hub {
                     let by = client.from();
                     let note = format!("client {from} is turned away: {by} is connected");
                     self.notes.push(note);
+                    link.turn_away();
                     continue;
                 }
                 let note = format!("the client is silent, {from} takes its place");

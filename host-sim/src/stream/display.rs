@@ -21,6 +21,8 @@ pub(super) struct Display {
     /// Time at which the next line with values is due.
     next: Instant,
     state: Option<(State, Acting)>,
+    /// The user can give commands.
+    has_keys: bool,
 }
 
 impl Display {
@@ -39,7 +41,13 @@ impl Display {
             bar,
             next: Instant::now() + LINES,
             state: None,
+            has_keys: false,
         }
+    }
+
+    /// Says which keys lead on, for a user who `has_keys`.
+    pub(super) fn with_keys(self, has_keys: bool) -> Self {
+        Self { has_keys, ..self }
     }
 
     /// Says something.
@@ -53,7 +61,16 @@ impl Display {
     /// The machine is in this state.
     pub(super) fn state(&mut self, state: State, acting: Acting) {
         if self.state.replace((state, acting)) != Some((state, acting)) {
-            self.note(&describe::state(state, acting));
+            let text = describe::state(state, acting);
+            match (state, acting) {
+                (State::Holding, Acting::Hold) if self.has_keys => {
+                    self.note(&format!("{text}: r goes on"));
+                }
+                (State::Holding, Acting::Door) if self.has_keys => {
+                    self.note(&format!("{text}: close the door, then r goes on"));
+                }
+                _ => self.note(&text),
+            }
         }
     }
 

@@ -7,14 +7,15 @@ use crate::results::sealed::{self, Sealed};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
-use trirrr_client::{JobClient, JobPlace};
+use trirrr_client::{JobClient, JobMark, JobPlace};
 use trirrr_protocol::message::{JobLabel, Transmit};
+use trirrr_scene::NumberType;
 
 /// Name of the file.
 const FILE: &str = "job.json";
 
 /// Reason why a journal is of no use.
-const DAMAGED: &str = "it is damaged, or of an older version: the place at which the job was left is not known; stream the job from its start, without --resume";
+const DAMAGED: &str = "it is damaged, or of an older version: the place at which the job was left is not known; stream the job from its start, without --resume; `trirrr park` or --recover bring a machine back that stands in the middle of it";
 
 /// Longest time that a crash of the host takes out of the journal.
 const EVERY: Duration = Duration::from_millis(100);
@@ -27,36 +28,25 @@ pub(super) struct JobKey {
     pub(super) label: JobLabel,
 }
 
-/// Account of a job.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct JournalEntry {
-    /// Items that the machine had taken.
-    pub(super) taken: u32,
-    /// Place from which it was played.
-    pub(super) from: JobPlace,
-    /// Place that the machine has reached.
-    pub(super) reached: JobPlace,
-}
-
 /// Journal of one job, which is written as the job goes on.
 pub(super) struct Journal {
     path: PathBuf,
     key: JobKey,
-    from: JobPlace,
-    reached: JobPlace,
+    mark: JobMark,
     written: Option<Instant>,
+    /// Number of the first move, as it was written.
+    first_move: Option<u32>,
 }
 
 impl Journal {
-    /// Prepares the journal in `folder` of a job that is played from `from` on. Nothing is written before the machine has
-    /// answered.
-    pub(super) fn new(folder: &Path, key: JobKey, from: JobPlace) -> Self {
+    /// Prepares the journal in `folder` of a job that goes on from `mark`. Nothing is written before the machine has answered.
+    pub(super) fn new(folder: &Path, key: JobKey, mark: JobMark) -> Self {
         Self {
             path: folder.join(FILE),
             key,
-            from,
-            reached: from,
+            mark,
             written: None,
+            first_move: None,
         }
     }
 
@@ -75,11 +65,20 @@ impl Journal {
         }
     }
 
+    /// Returns the number type in which the job of the journal in `folder` was begun, if there is one that names it.
+    pub(super) fn number(folder: &Path) -> Option<NumberType> {
+        let Ok(Sealed::Whole(value)) = sealed::read(&folder.join(FILE)) else {
+            return None;
+        };
+        let mut types = NumberType::ALL.into_iter();
+        types.find(|number| value["number"] == number.name())
+    }
+
     /// Reads the journal in `folder` of the job `key`.
     ///
     /// # Errors
     /// Refused: there is none, it is damaged, or it is of another job.
-    pub(super) fn read(folder: &Path, key: &JobKey) -> Result<JournalEntry, CliError> {
+    pub(super) fn read(folder: &Path, key: &JobKey) -> Result<JobMark, CliError> {
         let path = folder.join(FILE);
         let refused = |why: &str| CliError::Refused(format!("{}: {why}", path.display()));
         let value = match sealed::read(&path)? {
@@ -108,8 +107,9 @@ impl Journal {
             })
         };
         let entry = || {
-            Some(JournalEntry {
+            Some(JobMark {
                 taken: number(&value["taken"])?,
+                first_move: number(&value["first_move"]),
                 from: place(&value["from"])?,
                 reached: place(&value["reached"])?,
             })
@@ -117,17 +117,22 @@ impl Journal {
         entry().ok_or_else(|| refused(DAMAGED))
     }
 
-    /// Takes note of a place that the machine has reached.
-    pub(super) fn reach(&mut self, place: JobPlace) {
-        self.reached = self.reached.max(place);
+    /// Takes in what `client` knows; `place` tells the place on the whole job.
+    pub(super) fn take<N: Transmit>(
+        &mut self,
+        client: &JobClient<N>,
+        place: &dyn Fn(JobPlace) -> JobPlace,
+    ) {
+        self.mark.note(client, place);
     }
 
-    /// Place that the machine has reached.
+    /// Place up to which the machine has played the job with its tool.
     pub(super) fn reached(&self) -> JobPlace {
-        self.reached
+        self.mark.reached
     }
 
-    /// Writes what `client` knows, now and then, or `now`.
+    /// Writes what was taken in, now and then, at once where the machine has got the name of the job, or `now`. Nothing is written before the
+    /// machine has answered.
     ///
     /// # Errors
     /// Failed: the file cannot be written.
@@ -139,21 +144,33 @@ impl Journal {
         let is_due = self
             .written
             .is_none_or(|written| written.elapsed() >= EVERY);
-        if client.status().is_none() || !(now || is_due) {
+        let JobMark {
+            taken,
+            first_move,
+            from,
+            reached,
+        } = self.mark;
+        let is_named = first_move != self.first_move;
+        if client.status().is_none() || !(now || is_due || is_named) {
             return Ok(());
         }
-        self.written = Some(Instant::now());
+        (self.written, self.first_move) = (Some(Instant::now()), first_move);
         let place = |place: JobPlace| json!({ "index": place.index, "at": place.at });
         let value = json!({
             "scene": self.key.scene,
             "number": self.key.number,
             "items": self.key.label.items,
             "check": self.key.label.check,
-            "taken": client.offered(),
-            "from": place(self.from),
-            "reached": place(self.reached),
+            "taken": taken,
+            "first_move": first_move,
+            "from": place(from),
+            "reached": place(reached),
         });
-        sealed::write(&self.path, value)
+        sealed::write(&self.path, value).map_err(|error| {
+            CliError::Failed(format!(
+                "{error}; the machine comes to rest on its path and waits: make room, then --resume goes on"
+            ))
+        })
     }
 
     /// Removes the journal of a job that is complete.

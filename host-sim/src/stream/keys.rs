@@ -16,13 +16,21 @@ pub(super) fn listen() -> Receiver<UserCommand> {
                 Some(ask) if sender.send(ask).is_err() => return,
                 Some(_) => {}
                 None if line.trim().is_empty() => {}
-                None => {
-                    say("keys are hold, resume, stop, disable and feed PERCENT (h, r, s, d, f)");
-                }
+                None => say(&key_complaint(&line).unwrap_or_else(|| {
+                    "keys are hold, resume, stop, disable and feed PERCENT (h, r, s, d, f)".into()
+                })),
             }
         }
     });
     receiver
+}
+
+/// Says what is wrong with a line of a key that is known.
+pub(crate) fn key_complaint(line: &str) -> Option<String> {
+    let word = line.split_whitespace().next()?;
+    let is_feed = matches!(word, "feed" | "f") && user_command(line).is_none();
+    is_feed
+        .then(|| format!("{word} takes a whole number of percent from 1 to 100, such as {word} 50"))
 }
 
 /// The command of a line, if it is one.
@@ -65,5 +73,9 @@ mod tests {
         ] {
             assert_eq!(user_command(line), ask, "{line:?}");
         }
+        for line in ["f", "f 0", "feed 101", "feed x"] {
+            assert!(key_complaint(line).unwrap().contains("from 1 to 100"));
+        }
+        assert_eq!(key_complaint("f 50").or(key_complaint("halt")), None);
     }
 }

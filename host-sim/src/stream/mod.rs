@@ -11,7 +11,7 @@ mod summary;
 mod work;
 
 pub use args::{PortArgs, StreamArgs};
-pub(crate) use keys::user_command;
+pub(crate) use keys::{key_complaint, user_command};
 pub(crate) use port::Port;
 pub use session::StreamEnd;
 
@@ -20,9 +20,11 @@ use crate::figures::JobMarks;
 use crate::job_file::{self, LoadedJob, LongMoves, QueuedJob};
 use crate::recording::{DriveRecorder, Recorder};
 use crate::results::ResultFolder;
+use crate::terminal::say;
 use display::Display;
 use journal::{JobKey, Journal};
 use session::Session;
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -32,7 +34,8 @@ use trirrr_client::local;
 use trirrr_client::records::Samples;
 use trirrr_client::transport::Address;
 use trirrr_client::{
-    JobClient, JobFailure, JobPlace, JobWork, Patience, UserCommand, switched_label,
+    BegunJob, JobClient, JobFailure, JobMark, JobPlace, JobWork, Patience, UserCommand,
+    switched_label,
 };
 use trirrr_protocol::message::{DriveSample, Telemetry, TelemetryFields, Transmit};
 use trirrr_protocol::wire::frame_length;
@@ -61,21 +64,44 @@ const BITS_PER_BYTE: f64 = 10.0;
 /// Refused: the scene, its number type, or a move. Failed: the port, the board, or something that
 /// cannot be written.
 pub fn command(args: &StreamArgs, stop: &AtomicBool) -> Result<StreamEnd, CliError> {
+    match stream_all(args, args.scalar, stop) {
+        Err(CliError::OtherNumbers { board, .. }) if args.scalar.is_none() => {
+            say(&format!(
+                "the board computes in {board}: the job is judged in {board}, as by --scalar {board}"
+            ));
+            stream_all(args, Some(board), stop)
+        }
+        end => end,
+    }
+}
+
+/// Streams the jobs in the number type `given`, or else in those of their scenes.
+fn stream_all(
+    args: &StreamArgs,
+    given: Option<NumberType>,
+    stop: &AtomicBool,
+) -> Result<StreamEnd, CliError> {
     // A machine that plans gets the whole path, and numbers of little range need units for all moves.
-    let moves = match args.path || args.scalar == Some(NumberType::Fixed) {
+    let moves = match args.path || given == Some(NumberType::Fixed) {
         true => LongMoves::InMemory,
         false => LongMoves::InFile,
     };
     let (out, then) = (args.out.as_deref(), &args.then);
     let jobs = job_file::load_queue(&args.scene, then, &args.job, moves, out, "-stream")?;
-    let scalar = |job: &LoadedJob| args.scalar.unwrap_or(job.scene.number);
-    for QueuedJob { file, job, .. } in &jobs {
-        in_number_type!(scalar(job), N => {
-            check_board::<N>(job).map_err(|why| CliError::Refused(format!("{}:{why}", file.display())))?
+    let scalar = |queued: &QueuedJob| {
+        // A job goes on in the numbers in which it was begun.
+        let begun = args.resume.then(|| Journal::number(&queued.folder));
+        let number = given.or(begun.flatten());
+        number.unwrap_or(queued.job.scene.number)
+    };
+    for queued in &jobs {
+        in_number_type!(scalar(queued), N => {
+            check_board::<N>(&queued.job)
+                .map_err(|why| CliError::Refused(format!("{}:{why}", queued.file.display())))?
         });
     }
     for queued in &jobs {
-        let scalar = scalar(&queued.job);
+        let scalar = scalar(queued);
         let end = in_number_type!(scalar, N => stream::<N>(args, queued, scalar, stop))?;
         if end != StreamEnd::Complete {
             return Ok(end);
@@ -134,8 +160,8 @@ fn stream<N: ServiceNumber>(
         stop,
         units,
         folder,
+        has_results: Cell::new(args.resume),
     };
-    let from = JobPlace::default();
     if args.path {
         if !scene.job.outputs.is_empty() {
             return Err(CliError::Refused(
@@ -146,14 +172,19 @@ fn stream<N: ServiceNumber>(
         let pieces = offer::pieces(scene, &units).map_err(&refused)?;
         let work = JobWork::Path { start, pieces };
         let key = stream.key(&work);
-        let taken = match args.resume {
-            true => Some(Journal::read(folder, &key)?.taken),
-            false => None,
+        let mark = match args.resume {
+            true => Journal::read(folder, &key)?.resumed(),
+            false => JobMark::default(),
         };
-        let journal = Journal::new(folder, key, from);
+        let journal = Journal::new(folder, key, mark);
         let work = StreamWork::of_path(work, scene);
         return stream
-            .play((work, JobOutputs::default()), taken, journal, &|_| from)
+            .play(
+                (work, JobOutputs::default()),
+                mark.begun(),
+                journal,
+                &|_| mark.from,
+            )
             .end;
     }
     let moves = StreamMoves::<N>::of(scene, &units);
@@ -166,32 +197,39 @@ fn stream<N: ServiceNumber>(
         let period = units.time(scene.period_s());
         moves.rest(from, N::factor_from_f64(period))
     };
-    let play = |from: JobPlace, taken| -> Result<StreamPlayed, CliError> {
-        let rest = rest(from)?;
-        let journal = Journal::new(folder, key.clone(), from);
+    let play = |mark: JobMark| -> Result<StreamPlayed, CliError> {
+        let rest = rest(mark.from)?;
+        let journal = Journal::new(folder, key.clone(), mark);
         let work = (moves.work(&rest)?, rest.outputs(&scene.job.outputs));
-        Ok(stream.play(work, taken, journal, &|place| rest.place(place)))
+        Ok(stream.play(work, mark.begun(), journal, &|place| rest.place(place)))
     };
-    if !args.resume {
-        return play(from, None)?.end;
+    let mut played = play(match args.resume {
+        true => Journal::read(folder, &key)?.resumed(),
+        false => JobMark::default(),
+    })?;
+    loop {
+        let why = match played {
+            StreamPlayed { is_lost: true, .. } => "the machine has lost the job",
+            StreamPlayed {
+                goes_back: true, ..
+            } => "the door was opened on the way",
+            _ => return played.end,
+        };
+        // The machine has nothing of the job any more: back to the place, as far as it is known.
+        let mark = JobMark::at(played.reached);
+        let JobPlace { index, at } = mark.from;
+        let note = |text: &str| Display::new(0, false).note(text);
+        if rest(mark.from)?.moves().is_empty() {
+            Journal::new(folder, key, mark).end();
+            note("the job was played to its end: nothing is left of it");
+            return Ok(StreamEnd::Complete);
+        }
+        let count = index + 1;
+        note(&format!(
+            "{why}: back to move {count}, tick {at}, with the tool off"
+        ));
+        played = play(mark)?;
     }
-    let entry = Journal::read(folder, &key)?;
-    let played = play(entry.from, Some(entry.taken))?;
-    if !played.is_lost {
-        return played.end;
-    }
-    // The machine has nothing of the job any more: back to the place, as far as it is known.
-    let from = played.reached.max(entry.reached);
-    let JobPlace { index, at } = from;
-    if rest(from)?.moves().is_empty() {
-        Journal::new(folder, key, from).end();
-        return Err(CliError::Refused("the job was played to its end".into()));
-    }
-    let count = index + 1;
-    let text =
-        format!("the machine has lost the job: back to move {count}, tick {at}, with the tool off");
-    Display::new(0, false).note(&text);
-    play(from, None)?.end
 }
 
 /// Stream of one scene to one port.
@@ -203,6 +241,8 @@ struct Stream<'a> {
     stop: &'a AtomicBool,
     units: trirrr_core::units::Units,
     folder: &'a Path,
+    /// The folder has results of the job already: those of the rest go beside them.
+    has_results: Cell<bool>,
 }
 
 /// End of a job, or of a part of it.
@@ -210,6 +250,8 @@ struct StreamPlayed {
     end: Result<StreamEnd, CliError>,
     /// The machine has lost a job that it had begun for another client.
     is_lost: bool,
+    /// The user goes on with a job whose tool went off at an open door: the rest begins there.
+    goes_back: bool,
     /// Place that it had reached.
     reached: JobPlace,
 }
@@ -223,21 +265,22 @@ impl Stream<'_> {
         }
     }
 
-    /// Plays `work` with its changes of outputs, or goes on with it where another client has left it, with `taken` items on the machine. `place` tells the place on the whole job of one
+    /// Plays `work` with its changes of outputs, or goes on with it where another client has left it, with the part `begun` on the machine. `place` tells the place on the whole job of one
     /// on this work.
     fn play<N: ServiceNumber>(
         &self,
         work: (StreamWork<'_, N>, JobOutputs),
-        taken: Option<u32>,
+        begun: Option<BegunJob>,
         journal: Journal,
         place: &dyn Fn(JobPlace) -> JobPlace,
     ) -> StreamPlayed {
         let mut played = StreamPlayed {
             end: Ok(StreamEnd::Complete),
             is_lost: false,
+            goes_back: false,
             reached: journal.reached(),
         };
-        let end = self.try_play(work, taken, journal, place, &mut played);
+        let end = self.try_play(work, begun, journal, place, &mut played);
         played.end = end;
         played
     }
@@ -245,7 +288,7 @@ impl Stream<'_> {
     fn try_play<N: ServiceNumber>(
         &self,
         work: (StreamWork<'_, N>, JobOutputs),
-        taken: Option<u32>,
+        begun: Option<BegunJob>,
         journal: Journal,
         place: &dyn Fn(JobPlace) -> JobPlace,
         played: &mut StreamPlayed,
@@ -260,8 +303,9 @@ impl Stream<'_> {
             starts,
             ticks,
             supply,
+            uses_tool,
         } = work;
-        let display = Display::new(ticks, scene.torque);
+        let display = Display::new(ticks, scene.torque).with_keys(args.keys);
         let fields = match scene.feedback {
             // Readings of the drives are compared with what they were told.
             Some(_) => {
@@ -276,7 +320,8 @@ impl Stream<'_> {
         let every = telemetry_every::<N>(args, fields, scene, &display);
         let patience_s = Duration::from_secs_f64(args.patience);
         let port = Port::open(&args.line, patience_s)?;
-        let folder = match args.resume {
+        let is_rest = self.has_results.replace(true);
+        let folder = match is_rest {
             true => next_folder(self.folder),
             false => self.folder.into(),
         };
@@ -291,9 +336,9 @@ impl Stream<'_> {
         let client = client.named(&scene.name).with_fields(fields);
         let client = client.with_outputs(&outputs);
         let client = client.with_tools(CarriedTools::of(scene));
-        let client = match taken {
-            Some(taken) => client.attached(taken),
-            None => self.to_start(client),
+        let client = match begun {
+            Some(begun) => client.attached(begun),
+            None => self.to_start(client, is_rest),
         };
         let mut session = Session {
             client,
@@ -311,6 +356,10 @@ impl Stream<'_> {
             place,
             is_over: false,
             is_way_told: false,
+            is_resumed: begun.is_some(),
+            uses_tool,
+            goes_back: false,
+            inputs: None,
         };
         if session.drives.is_some() {
             session.client = session.client.with_drives(every);
@@ -322,6 +371,8 @@ impl Stream<'_> {
             session.display.note(&format!("a hold is {longest}"));
         }
         let result = session.run();
+        session.journal.take(&session.client, place);
+        played.goes_back = session.goes_back && matches!(result, Ok(StreamEnd::Stopped));
         let Session {
             client,
             port,
@@ -334,12 +385,11 @@ impl Stream<'_> {
         } = session;
         display.finish();
         let is_complete = matches!(result, Ok(StreamEnd::Complete));
-        if let Some(at) = client.interrupted() {
-            journal.reach(place(at));
-        }
         played.reached = journal.reached();
         let failure = client.failure();
-        played.is_lost = taken.is_some() && failure.is_some_and(JobFailure::loses_job);
+        // A fault or a stop after the machine was found with the job is a new end, which the user is to see.
+        let is_missing = begun.is_some() && !client.has_joined();
+        played.is_lost = is_missing && failure.is_some_and(JobFailure::loses_job);
         match is_complete {
             true => journal.end(),
             // What was lost before is not to be forgotten.
@@ -360,7 +410,8 @@ impl Stream<'_> {
             Err(error) => Some(error.to_string()),
         };
         results.end(why.as_deref().map_or(Ok(()), Err))?;
-        if played.is_lost {
+        // Nothing was played: another attempt follows.
+        if played.is_lost || matches!(result, Err(CliError::OtherNumbers { .. })) {
             return result;
         }
         summary::print(&summary::Summary {
@@ -371,6 +422,7 @@ impl Stream<'_> {
             board: client.identity(),
             status: client.status().map(Account::of),
             done: client.done(),
+            is_begun: client.interrupted().is_some(),
             moves: client.moves(),
             item: client.item(),
             every,
@@ -393,13 +445,13 @@ impl Stream<'_> {
         }
     }
 
-    /// Allows the client to bring the machine to the start of the job, as the user wants.
-    fn to_start<N: ServiceNumber>(&self, client: JobClient<N>) -> JobClient<N> {
+    /// Allows the client to bring the machine to the start of the job, as the user wants, or of the rest of it.
+    fn to_start<N: ServiceNumber>(&self, client: JobClient<N>, is_rest: bool) -> JobClient<N> {
         let client = match self.args.no_homing {
             true => client.without_homing(),
             false => client,
         };
-        let back = self.args.resume.then_some(BACK_S);
+        let back = is_rest.then_some(BACK_S);
         match self.args.recover.or(back) {
             Some(seconds) => client.with_recovery(seconds),
             None => client,

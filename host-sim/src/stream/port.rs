@@ -35,6 +35,8 @@ pub(crate) struct Port {
     damaged: u64,
     /// The far end expects a key: to open the port anew does not help.
     refused: Option<KeyRefusal>,
+    /// Reason for which the port was opened anew last, while nothing was heard since.
+    told: Option<String>,
 }
 
 impl Port {
@@ -58,6 +60,7 @@ impl Port {
             opened_anew: 0,
             damaged: 0,
             refused: None,
+            told: None,
         })
     }
 
@@ -104,9 +107,17 @@ impl Port {
         };
         if messages.iter().any(is_answer) {
             self.heard = Instant::now();
+            self.told = None;
         }
         self.answered |= !messages.is_empty();
         Ok(messages)
+    }
+
+    /// Returns the words for a user before the port is opened anew because of `why`, once for each reason.
+    pub(crate) fn reopening(&mut self, why: &str) -> Option<String> {
+        let is_told = self.told.as_deref() == Some(why);
+        self.told = Some(why.into());
+        (!is_told).then(|| format!("{why}; opening the port anew"))
     }
 
     /// Opens the port anew, trying until the board was not heard for as long as the patience

@@ -6,6 +6,7 @@ use super::journal::Journal;
 use super::port::Port;
 use super::starts::MoveStarts;
 use crate::failure::CliError;
+use crate::numbers::refused;
 use crate::recording::{DriveRecorder, Recorder};
 use crate::supply::MoveSupply;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -14,7 +15,10 @@ use std::time::{Duration, Instant};
 use trirrr_client::describe::{self, Units};
 use trirrr_client::records::{Samples, is_of_a_job};
 use trirrr_client::{Action, JobClient, JobPlace, UserCommand};
-use trirrr_protocol::message::{Event, Message, Refusal, Reply, Telemetry, Transmit};
+use trirrr_protocol::message::{
+    Acting, Event, InputState, InputStates, Message, Refusal, Reply, State, Telemetry, Transmit,
+};
+use trirrr_scene::words::short;
 
 /// Longest wait for the board before the user is heard.
 const LOOK: Duration = Duration::from_millis(20);
@@ -58,6 +62,14 @@ pub(super) struct Session<'a, N: Transmit> {
     pub(super) is_over: bool,
     /// The user was told of the way to the start.
     pub(super) is_way_told: bool,
+    /// The job was begun by another stream: where the machine holds it, the user has it resumed.
+    pub(super) is_resumed: bool,
+    /// The job uses the tool, and can be played from any place on.
+    pub(super) uses_tool: bool,
+    /// The user has the job resumed behind a door: the rest begins where the tool went off.
+    pub(super) goes_back: bool,
+    /// Inputs, as they were told last.
+    pub(super) inputs: Option<InputStates>,
 }
 
 impl<N: Transmit> Session<'_, N> {
@@ -88,9 +100,15 @@ impl<N: Transmit> Session<'_, N> {
                     return self.ended(result);
                 }
             }
-            self.journal.note(&self.client, false)?;
+            self.note()?;
             self.tell_way();
         }
+    }
+
+    /// Writes the journal now and then. The name of the job is written at once: before the machine has a move of it.
+    fn note(&mut self) -> Result<(), CliError> {
+        self.journal.take(&self.client, self.place);
+        self.journal.note(&self.client, false)
     }
 
     /// Supplies the client with the moves that it wants.
@@ -114,7 +132,7 @@ impl<N: Transmit> Session<'_, N> {
             return;
         };
         if !std::mem::replace(&mut self.is_way_told, true) {
-            let seconds = f64::from(way.ticks) / identity.tick_rate_hz;
+            let seconds = short(f64::from(way.ticks) / identity.tick_rate_hz);
             let text = format!(
                 "the machine goes to the start of the job first, straight, with the tool off: {seconds} s"
             );
@@ -128,13 +146,52 @@ impl<N: Transmit> Session<'_, N> {
             self.display.note("Ctrl-C: the machine stops on its path");
             self.client.command(UserCommand::Stop);
         }
-        for ask in self.keys.iter().flat_map(Receiver::try_iter) {
-            self.client.command(ask);
+        let asked: Vec<_> = self.keys.iter().flat_map(Receiver::try_iter).collect();
+        for ask in asked {
+            match ask {
+                UserCommand::Resume => self.resume(),
+                ask => {
+                    self.goes_back &= !matches!(ask, UserCommand::Stop | UserCommand::Disable);
+                    self.client.command(ask);
+                }
+            }
+        }
+        if self.is_resumed
+            && let Some(status) = self.client.status()
+        {
+            self.is_resumed = false;
+            let holds = matches!(status.state, State::Slowing | State::Holding);
+            if holds && matches!(status.acting, Acting::Hold | Acting::Door) {
+                self.resume();
+            }
         }
     }
 
+    /// Goes on with a job that is held. On the ramp to rest behind a door the path was left without the tool: the machine goes back to where it
+    /// was opened.
+    fn resume(&mut self) {
+        let status = self.client.status();
+        let behind_door = status.filter(|status| status.acting == Acting::Door && self.uses_tool);
+        match behind_door.map(|status| status.inputs.door) {
+            None => self.client.command(UserCommand::Resume),
+            Some(InputState::Active) => self.refuse(&Refusal::DoorOpen),
+            Some(_) => {
+                self.goes_back = true;
+                self.client.command(UserCommand::Stop);
+            }
+        }
+    }
+
+    /// Says that the machine does not go on yet. The words need no units.
+    fn refuse(&self, refusal: &Refusal<N>) {
+        let why = describe::refusal(refusal, 0, &Units::si(1.0));
+        self.display.note(&format!("refused: {why}"));
+    }
+
     fn reopen(&mut self, why: &str) -> Result<(), CliError> {
-        self.display.note(&format!("{why}; opening the port anew"));
+        if let Some(text) = self.port.reopening(why) {
+            self.display.note(&text);
+        }
         self.port.reopen(why, self.stop).map_err(CliError::Failed)?;
         self.client.reconnected();
         Ok(())
@@ -158,18 +215,17 @@ impl<N: Transmit> Session<'_, N> {
                     }
                 }
                 Message::Event(Event::Inputs(states)) => {
-                    if let Some(text) = describe::inputs(states) {
+                    let before = self.client.status().map(|status| status.inputs);
+                    let before = self.inputs.replace(*states).or(before);
+                    if let Some(text) = describe::input_changes(before.as_ref(), states) {
                         self.display.note(&text);
                     }
                 }
-                // To a resume by the user: the job goes on waiting. The words need no units.
+                // To a resume by the user: the job goes on waiting.
                 Message::Reply {
                     reply: Reply::Refused(refusal @ Refusal::DoorOpen),
                     ..
-                } => {
-                    let why = describe::refusal(refusal, 0, &Units::si(1.0));
-                    self.display.note(&format!("refused: {why}"));
-                }
+                } => self.refuse(refusal),
                 Message::Event(_) | Message::Reply { .. } => {}
             }
             self.client.receive(message, start.elapsed());
@@ -192,10 +248,6 @@ impl<N: Transmit> Session<'_, N> {
         let Some(index) = index.filter(|_| self.client.offered() > 0) else {
             return Ok(());
         };
-        let at = sample.at;
-        if is_of_a_job(sample.state) {
-            self.journal.reach((self.place)(JobPlace { index, at }));
-        }
         if !is_of_a_job(sample.state) {
             self.is_over |= self.samples.have_begun();
             return Ok(());
@@ -230,10 +282,18 @@ impl<N: Transmit> Session<'_, N> {
             Err(failure) => failure,
         };
         let text = self.client.describe(&failure);
+        let text = match failure {
+            Lost::Fault(_) => format!(
+                "{text}; the same command with --resume acknowledges it, and goes on where the tool went off"
+            ),
+            Lost::Occupied(State::Holding) => format!(
+                "{text}: it has the job of another stream, which --resume with the folder of that one goes on with; `trirrr disable` ends it"
+            ),
+            _ => text,
+        };
         Err(match failure {
-            Lost::Refused { .. } | Lost::Inadmissible { .. } | Lost::OtherTool(_) => {
-                CliError::Refused(text)
-            }
+            Lost::Refused { refusal, .. } => refused(&refusal, text),
+            Lost::Inadmissible { .. } | Lost::OtherTool(_) => CliError::Refused(text),
             _ => CliError::Failed(text),
         })
     }

@@ -24,6 +24,8 @@ pub(super) struct Summary<'a> {
     /// Account of the machine, if it has told its status.
     pub(super) status: Option<Account>,
     pub(super) done: u32,
+    /// The machine has left the job on its way.
+    pub(super) is_begun: bool,
     pub(super) moves: u32,
     /// Word for one of them.
     pub(super) item: &'a str,
@@ -119,8 +121,9 @@ fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
     let (done, moves, item) = (summary.done, summary.moves, summary.item);
     let job = match summary.end {
         Some(StreamEnd::Complete) => format!("{done} of {moves} {item}s done"),
-        // The machine counts the move that it left as over.
-        Some(StreamEnd::Stopped) if done > 0 => format!("stopped in {item} {done} of {moves}"),
+        Some(StreamEnd::Stopped) if summary.is_begun => {
+            format!("stopped in {item} {} of {moves}", (done + 1).min(moves))
+        }
         Some(StreamEnd::Stopped) => format!("stopped before the first of {moves} {item}s"),
         None => format!("{done} of {moves} {item}s done, not complete"),
     };

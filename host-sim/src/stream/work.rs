@@ -17,6 +17,8 @@ pub(super) struct StreamWork<'a, N: Transmit> {
     pub(super) ticks: u64,
     /// Moves that the client is supplied with.
     pub(super) supply: Option<MoveSupply<'a, N>>,
+    /// A place on the path that is passed without the tool is to be passed again.
+    pub(super) uses_tool: bool,
 }
 
 /// Moves of a whole job.
@@ -72,6 +74,8 @@ impl<'a, N: Transmit> StreamMoves<'a, N> {
                     starts: MoveStarts::default(),
                     ticks: supply.ticks(),
                     supply: Some(supply),
+                    // The moves are not here: they may.
+                    uses_tool: true,
                 })
             }
         }
@@ -88,6 +92,10 @@ impl<N: Transmit> StreamWork<'_, N> {
             ticks,
             work: rest.work(),
             supply: None,
+            uses_tool: rest
+                .moves()
+                .iter()
+                .any(|each| each.common().tool_power > N::ZERO),
         }
     }
 
@@ -101,6 +109,8 @@ impl<N: Transmit> StreamWork<'_, N> {
             starts,
             ticks,
             supply: None,
+            // Nor could it be: its moves are not known here.
+            uses_tool: false,
         }
     }
 }

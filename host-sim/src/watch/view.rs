@@ -6,9 +6,8 @@ use trirrr_client::describe::{self, Units};
 use trirrr_client::transport::RawMessage;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_protocol::message::{
-    Acting, Event, Identity, InputStates, Message, Reply, Request, State, Transmit,
+    Acting, Event, Identity, InputStates, Message, Reply, State, Transmit,
 };
-use trirrr_protocol::wire::schema;
 use trirrr_scene::{NumberType, in_number_type};
 
 /// Knowledge of a watcher about a machine.
@@ -108,9 +107,7 @@ impl WatchView {
 
     /// Learns how the machine counts.
     fn meet(&mut self, identity: &Identity) {
-        let number = NumberType::ALL
-            .into_iter()
-            .find(|number| in_number_type!(*number, N => key::<N>()) == identity.schema);
+        let number = describe::board::number_type(identity.schema);
         let name = identity.name.iter().take_while(|byte| **byte != 0);
         let name: String = name.map(|byte| char::from(*byte)).collect();
         let Some(number) = number else {
@@ -169,10 +166,6 @@ fn pose<N: Transmit>(setpoint: &Setpoint<N>, units: &Units) -> [f64; 3] {
     let position = setpoint.pose.position;
     let [x, y] = [position.x, position.y].map(|value| value.to_f64() * units.length_m);
     [x, y, N::angle_to_f64(setpoint.pose.angle)]
-}
-
-fn key<N: Transmit>() -> u64 {
-    schema::key::<Request<N>, Message<N>>()
 }
 
 #[cfg(test)]

@@ -45,7 +45,39 @@ fn a_board_of_another_scene_or_number_type_is_refused() {
     let output = stream(&links, &device.address, &["--scalar", "f32"]);
     let message = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{message}");
-    assert!(message.contains("another layout"), "{message}");
+    assert!(message.contains("the board computes in f64"), "{message}");
+    assert!(message.contains("--scalar f64"), "{message}");
+}
+
+/// The first command of docs/board.md: the scene is in f64, the image in f32.
+#[test]
+fn a_board_in_another_number_type_is_talked_to_in_its_own() {
+    let folder = scene("thesis", &[]);
+    let device = Device::start(&folder, &["--scalar", "f32"]);
+    let output = stream(&folder, &device.address, &[]);
+    let message = text(&output.stderr);
+    assert!(output.status.success(), "{message}");
+    assert!(message.contains("the board computes in f32"), "{message}");
+    let summary = text(&output.stdout);
+    assert_eq!(summary.matches("numbers     ").count(), 1, "{summary}");
+    assert!(summary.contains("numbers     f32"), "{summary}");
+    let output = crate::common::trirrr()
+        .args([
+            "goto",
+            "scene.toml",
+            "--port",
+            &device.address,
+            "--x",
+            "0.25",
+            "--y",
+            "0.25",
+        ])
+        .current_dir(&folder)
+        .output()
+        .unwrap();
+    let message = text(&output.stderr);
+    assert!(output.status.success(), "{message}");
+    assert!(message.contains("going on in f32"), "{message}");
 }
 
 #[test]

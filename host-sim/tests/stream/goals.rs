@@ -63,6 +63,23 @@ fn goto_cuts_a_job_that_is_under_way() {
         text(&output.stderr).contains("no motion to the goal"),
         "{output:?}"
     );
+    // The machine remembers that refusal: it is of no other goal.
+    let output = go(&folder, &device, &["jog"], "feed 100\nfeed 0\n");
+    let said = text(&output.stderr);
+    assert!(!said.contains("no motion to the goal"), "{said}");
+    assert!(said.contains("from 1 to 100"), "{said}");
+    let output = go(
+        &folder,
+        &device,
+        &["goto", "--x", "0.23", "--y", "0.23"],
+        "",
+    );
+    assert!(stands_at(&output).starts_with("stands at x 0.230000 m"));
+    // The same refusal twice in one session is told twice.
+    let lines = "step -2 0\nstep -2 0\nstep 0.001 0\n";
+    let output = go(&folder, &device, &["jog"], lines);
+    let said = text(&output.stderr);
+    assert!(said.contains("no motion to the goal"), "{said}");
 }
 
 #[test]

@@ -37,19 +37,22 @@ fn a_job_waits_behind_an_open_door_until_the_user_resumes() {
     let mut user = streaming.process.0.stdin.take().expect("a pipe");
     streaming.lines.wait_for("running");
     writeln!(keys, "door").unwrap();
+    let said = streaming.lines.wait_for("door open");
+    assert!(!said.contains("emergency stop"), "no change of it: {said}");
     streaming
         .lines
-        .wait_for("emergency stop released; door open");
-    streaming.lines.wait_for("holding (door)");
+        .wait_for("holding (door): close the door, then r goes on");
     watched.wait_for("door open");
     writeln!(user, "resume").unwrap();
     streaming
         .lines
         .wait_for("refused: the door is open: nothing moves before it is closed");
-    device.lines.wait_for("resume refused: the door is open");
     writeln!(keys, "d").unwrap();
     streaming.lines.wait_for("door closed");
     writeln!(user, "resume").unwrap();
+    streaming
+        .lines
+        .wait_for("the door was opened on the way: back to move");
     let out = streaming.out.clone();
     assert_eq!(
         streaming.process.code(),
@@ -57,18 +60,24 @@ fn a_job_waits_behind_an_open_door_until_the_user_resumes() {
         "{}",
         streaming.lines.rest()
     );
-    // Without the tool on the ramp, and with the rows of the hold, it is the job of a run.
-    let (held, whole) = (ticks(&out), run(&folder));
-    assert!(held.lines().count() > whole.lines().count());
+    // The tool goes on at the very place at which it went off, and the rest is that of a run.
+    let (first, rest) = (ticks(&out), ticks(&out.join("resumed-1")));
+    let with_tool = |row: &&str| row.rsplit(',').next() != Some("0");
+    let last = pose(first.lines().rfind(with_tool).unwrap());
+    let next = pose(rest.lines().skip(1).find(with_tool).unwrap());
+    let way = (last[0] - next[0]).hypot(last[1] - next[1]);
+    assert!(way < 1e-6, "{way} m from {last:?} to {next:?}");
+    let whole = run(&folder);
     assert_eq!(
-        held.lines().last().map(pose),
+        rest.lines().last().map(pose),
         whole.lines().last().map(pose)
     );
 }
 
 /// x, y and alpha of a row.
-fn pose(row: &str) -> Vec<&str> {
-    row.split(',').skip(1).take(3).collect()
+fn pose(row: &str) -> [f64; 3] {
+    let mut values = row.split(',').skip(1).map(|value| value.parse().unwrap());
+    [(); 3].map(|()| values.next().unwrap())
 }
 
 /// A stop ends the job with a fault in words; it is acknowledged once it is released.

@@ -101,8 +101,28 @@ fn one_client_at_a_time() {
             .unwrap();
     let message = text(&second.stderr);
     assert_eq!(second.status.code(), Some(1), "{message}");
-    assert!(message.contains("it may have another client"), "{message}");
+    assert!(
+        message.contains("another client has the machine"),
+        "{message}"
+    );
     device.lines.wait_for("is turned away");
+    for command in ["enable", "goto"] {
+        let mut command = [command, "scene.toml", "--port", &device.address].to_vec();
+        if command[0] == "goto" {
+            command.extend(["--x", "0.25", "--y", "0.25", "--patience", "0.3"]);
+        }
+        let output = crate::common::trirrr()
+            .args(&command)
+            .current_dir(&folder)
+            .output()
+            .unwrap();
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        assert!(
+            message.contains("another client has the machine"),
+            "{message}"
+        );
+    }
     // The first has not noticed.
     use std::io::Write;
     writeln!(first.process.0.stdin.as_mut().unwrap(), "stop").unwrap();

@@ -190,7 +190,7 @@ impl Conversation {
         let mut client =
             JobClient::new(work, expected.hello, 1, patience, self.number).with_fields(self.fields);
         if let Some(taken) = self.attached.take() {
-            client = client.attached(taken);
+            client = client.attached((taken, None));
         }
         let start = Instant::now();
         let mut over: Option<(Instant, End<N>)> = None;

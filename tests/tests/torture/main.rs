@@ -8,6 +8,7 @@
 //! killed.
 
 mod conversation;
+mod endings;
 mod errands;
 mod follow;
 mod long_job;
@@ -170,4 +171,20 @@ fn a_job_survives_its_interruptions() {
 #[ignore = "takes minutes; cargo xtask nightly"]
 fn a_job_of_eight_hours_survives_two_hundred_interruptions() {
     play_long_job(28_800_000, 200, 20);
+}
+
+/// Ends streams in all ways and resumes them.
+fn resume_all(streams: u64) {
+    assert_eq!(endings::end_streams(streams), [0, 0]);
+}
+
+#[test]
+fn nothing_of_a_job_is_lost_however_its_stream_ends() {
+    resume_all(45);
+}
+
+#[test]
+#[ignore = "takes minutes; cargo xtask nightly"]
+fn nothing_of_five_hundred_jobs_is_lost_however_their_streams_end() {
+    resume_all(510);
 }

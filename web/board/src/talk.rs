@@ -182,7 +182,7 @@ impl<N: Transmit> BoardTalk<N> {
             .with_tools(self.tools.clone())
             .with_outputs(&self.outputs);
         self.talking = Talking::Job(Box::new(match attached {
-            true => client.attached(0),
+            true => client.attached((0, None)),
             false => client,
         }));
         self.is_way_told = false;
@@ -223,14 +223,13 @@ impl<N: Transmit> BoardTalk<N> {
     }
 
     fn why_closed(&self, refusal: &Refusal<N>) -> String {
-        if let Refusal::Schema { expected } = refusal {
-            let is_its_own = |number: &NumberType| schema_key(*number) == *expected;
-            if let Some(number) = NumberType::ALL.into_iter().find(is_its_own) {
-                return format!(
-                    "the board computes in {number}, the scene in {}: write number = \"{number}\" into the scene, or build the board's image from it",
-                    self.number
-                );
-            }
+        if let Refusal::Schema { expected } = refusal
+            && let Some(number) = describe::board::number_type(*expected)
+        {
+            return format!(
+                "the board computes in {number}, the scene in {}: write number = \"{number}\" into the scene, or build the board's image from it",
+                self.number
+            );
         }
         describe::refusal(refusal, 0, &self.units)
     }

@@ -20,6 +20,8 @@ use zenoh::query::Query;
 pub(super) struct Order<N: Transmit> {
     /// Client and number; none of an order of the program itself.
     from: Option<(String, u64)>,
+    /// It is sent only while its client has control.
+    needs_control: bool,
     work: OrderWork<N>,
     /// A status has come since the order is the next one.
     is_surveyed: bool,
@@ -36,6 +38,7 @@ impl<N: Transmit> Order<N> {
     pub(super) fn own(command: Command<N>) -> Self {
         Self {
             from: None,
+            needs_control: false,
             work: OrderWork::Command(command),
             is_surveyed: false,
         }
@@ -122,7 +125,8 @@ impl<N: ServiceNumber> Worker<'_, N> {
     fn begin(&mut self, act: Act, client: &str, number: u64) -> Option<CommandOutcome> {
         let now = self.now();
         let leads = self.control.renew(client, now);
-        if let (Right::Holder, Err(why)) = (act.right(), leads) {
+        let needs_control = act.right() == Right::Holder;
+        if let (true, Err(why)) = (needs_control, leads) {
             return Some(CommandOutcome::Refused(why));
         }
         let command = match act {
@@ -149,22 +153,57 @@ impl<N: ServiceNumber> Worker<'_, N> {
             Act::Stop => Command::Stop,
             Act::Feed(percent) => Command::FeedOverride { percent },
             Act::GoTo(..) | Act::Jog(_) | Act::Run => {
-                return self.put(client, number, OrderWork::Motion(act));
+                return self.put((client, number), needs_control, OrderWork::Motion(act));
             }
         };
-        self.put(client, number, OrderWork::Command(command))
+        self.put((client, number), needs_control, OrderWork::Command(command))
     }
 
-    fn put(&mut self, client: &str, number: u64, work: OrderWork<N>) -> Option<CommandOutcome> {
+    fn put(
+        &mut self,
+        (client, number): (&str, u64),
+        needs_control: bool,
+        work: OrderWork<N>,
+    ) -> Option<CommandOutcome> {
         if !self.is_connected {
             return Some(CommandOutcome::refused("the line of the machine is lost"));
         }
         self.orders.push_back(Order {
             from: Some((client.into(), number)),
+            needs_control,
             work,
             is_surveyed: false,
         });
         None
+    }
+
+    /// Drops the commands whose client has lost control since they came, on a line that was lost or behind other commands: nothing moves for
+    /// nobody. One that was sent is not sent again.
+    pub(super) fn drop_orders_without_control(&mut self) {
+        let now = self.now();
+        let present = self.control.present(now).map(str::to_owned);
+        let is_lost = |order: &Order<N>| match &order.from {
+            Some((client, _)) => order.needs_control && present.as_ref() != Some(client),
+            None => false,
+        };
+        let orders = std::mem::take(&mut self.orders).into_iter();
+        let (lost, kept): (Vec<_>, Vec<_>) = orders.partition(is_lost);
+        self.orders = kept.into();
+        let why =
+            "control has ended before the command was sent: nothing was done, take control again";
+        for (client, number) in lost.into_iter().filter_map(|order| order.from) {
+            self.complete(&client, number, CommandOutcome::refused(why));
+        }
+        if let Some((client, number)) = self
+            .asked
+            .take_if(|order| is_lost(order))
+            .and_then(|order| order.from)
+        {
+            self.exchange.forget();
+            self.is_greeted = false;
+            let why = "control has ended while the command was open: see the state of the machine";
+            self.complete(&client, number, CommandOutcome::Unknown(why.into()));
+        }
     }
 
     /// Answers the command `number` of `client`, to all who ask.

@@ -41,6 +41,7 @@ impl<N: ServiceNumber> Worker<'_, N> {
 
     /// Says what there is to say.
     pub(super) fn speak(&mut self, line: &mut dyn MachineLine<N>) -> Result<(), LineEnd> {
+        self.drop_orders_without_control();
         while self.may_speak() {
             let now = self.now();
             let request = match self.chooses_task(now) {

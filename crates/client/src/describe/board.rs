@@ -1,7 +1,17 @@
 //! Words for what a board reports of itself.
 
-use trirrr_protocol::message::{AngleReference, Clock, Firmware, Registers, Start};
-use trirrr_scene::visible;
+use trirrr_protocol::message::{
+    AngleReference, Clock, Firmware, Message, Registers, Request, Start,
+};
+use trirrr_protocol::wire::schema::key;
+use trirrr_scene::{NumberType, in_number_type, visible};
+
+/// Returns the number type of a board whose messages have the layout `schema`; none of another version.
+pub fn number_type(schema: u64) -> Option<NumberType> {
+    let layout = |number| in_number_type!(number, N => key::<Request<N>, Message<N>>());
+    let mut types = NumberType::ALL.into_iter();
+    types.find(|number| layout(*number) == schema)
+}
 
 /// Describes a clock that is not as it should be.
 pub fn clock(clock: Clock) -> Option<&'static str> {

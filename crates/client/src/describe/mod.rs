@@ -151,6 +151,26 @@ pub fn probe<N: Transmit>(run: &ProbeRun<N>, units: &Units) -> String {
 
 /// Describes the inputs. `None`: the scene names none.
 pub fn inputs(states: &InputStates) -> Option<String> {
+    told(input_parts(states).into_iter().flatten())
+}
+
+/// Describes the inputs that are other than `before`; all of them where that is not known. `None`: none is.
+pub fn input_changes(before: Option<&InputStates>, states: &InputStates) -> Option<String> {
+    let before = before.map(input_parts).unwrap_or_default();
+    let now = input_parts(states).into_iter().zip(before);
+    told(
+        now.filter(|(now, before)| now != before)
+            .filter_map(|(now, _)| now),
+    )
+}
+
+fn told(parts: impl Iterator<Item = String>) -> Option<String> {
+    let parts: Vec<String> = parts.collect();
+    (!parts.is_empty()).then(|| parts.join("; "))
+}
+
+/// Words for emergency stop, door, probe and limit switches; none for what the scene does not name.
+fn input_parts(states: &InputStates) -> [Option<String>; 4] {
     let stop = match states.emergency_stop {
         InputState::Absent => None,
         InputState::Clear => Some("emergency stop released"),
@@ -166,19 +186,18 @@ pub fn inputs(states: &InputStates) -> Option<String> {
         InputState::Clear => Some("probe open"),
         InputState::Active => Some("probe touches"),
     };
-    let parts = [stop, door, probe].into_iter().flatten();
-    let mut parts: Vec<String> = parts.map(str::to_owned).collect();
     let reached = (1..).zip(states.limits);
     let reached: Vec<String> = reached
         .filter(|(_, limit)| limit.is_active())
         .map(|(motor, _): (u32, _)| motor.to_string())
         .collect();
-    match states.limits.contains(&InputState::Clear) || !reached.is_empty() {
-        false => {}
-        true if reached.is_empty() => parts.push("no motor on its limit switch".into()),
-        true => parts.push(format!("motor {} on its limit switch", reached.join(", "))),
-    }
-    (!parts.is_empty()).then(|| parts.join("; "))
+    let limits = match states.limits.contains(&InputState::Clear) || !reached.is_empty() {
+        false => None,
+        true if reached.is_empty() => Some("no motor on its limit switch".into()),
+        true => Some(format!("motor {} on its limit switch", reached.join(", "))),
+    };
+    let [stop, door, probe] = [stop, door, probe].map(|part| part.map(str::to_owned));
+    [stop, door, probe, limits]
 }
 
 /// Describes the state, and the cause that keeps the machine from normal speed.
@@ -217,6 +236,29 @@ pub fn state(state: State, acting: Acting) -> String {
 mod tests {
     use super::*;
     use trirrr_protocol::message::LeastDuration;
+
+    #[test]
+    fn inputs_that_changed_are_told() {
+        let before = InputStates {
+            emergency_stop: InputState::Clear,
+            door: InputState::Active,
+            ..InputStates::default()
+        };
+        let now = InputStates {
+            door: InputState::Clear,
+            ..before
+        };
+        assert_eq!(
+            input_changes(Some(&before), &now).as_deref(),
+            Some("door closed")
+        );
+        assert_eq!(input_changes(Some(&now), &now), None);
+        assert_eq!(input_changes(None, &now), inputs(&now));
+        assert_eq!(
+            inputs(&before).as_deref(),
+            Some("emergency stop released; door open")
+        );
+    }
 
     #[test]
     fn a_violation_is_told_in_si_units_and_seconds() {

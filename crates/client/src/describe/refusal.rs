@@ -12,10 +12,16 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
             "the board speaks version {expected} of the protocol, this program version {}",
             trirrr_protocol::message::PROTOCOL
         ),
-        Refusal::Schema { expected } => format!(
-            "the board's messages have another layout (schema key {expected:#010x}): it was built \
-             for another number type, or from another version of this program"
-        ),
+        Refusal::Schema { expected } => match super::board::number_type(*expected) {
+            Some(number) => format!(
+                "the board computes in {number}, and was spoken to in another number type: give --scalar {number}, or \
+                 number = \"{number}\" in the scene"
+            ),
+            None => format!(
+                "the board's messages have another layout (schema key {expected:#010x}): it was built from another version \
+                 of this program"
+            ),
+        },
         Refusal::Scene { expected } => format!(
             "the board was built for another scene (key {expected:#010x}): build its image from \
              this one, or name the scene that it has"

@@ -12,16 +12,16 @@ mod work;
 
 use crate::describe::Units;
 use crate::exchange::{Exchange, Patience, Turn};
-use crate::{JobFailure, JobPlace};
+use crate::user_commands::{UserCommand, UserCommands};
+use crate::{BegunJob, JobFailure, JobPlace};
 use phase::{Next, Phase};
 use progress::JobProgress;
 use schedule::Schedule;
-use std::collections::VecDeque;
 use std::time::Duration;
 pub use supply::{MoveChecksum, SuppliedMoves};
 use trirrr_protocol::message::{
-    Command, Event, Hello, Identity, JobLabel, Message, Move, Reply, Request, Status, Telemetry,
-    TelemetryFields, Transmit,
+    Acting, Command, Event, Hello, Identity, JobLabel, Message, Move, Reply, Request, State,
+    Status, Telemetry, TelemetryFields, Transmit,
 };
 use trirrr_scene::{CarriedTools, JobOutputs};
 pub use work::{JobWork, switched_label};
@@ -38,33 +38,6 @@ pub enum Action<N: Transmit> {
     Lost,
     /// The job has ended: played to its end, or why not.
     Finished(Result<(), JobFailure<N>>),
-}
-
-/// Command of the user while the job runs.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum UserCommand {
-    /// Come to rest on the path.
-    Hold,
-    /// Go on.
-    Resume,
-    /// Come to rest on the path and drop the rest.
-    Stop,
-    /// Come to rest as by a stop, then switch the drives off.
-    Disable,
-    /// Play at so many percent of normal speed, 1 to 100, from now on.
-    FeedOverride(u8),
-}
-
-impl<N: Transmit> From<UserCommand> for Command<N> {
-    fn from(command: UserCommand) -> Self {
-        match command {
-            UserCommand::Hold => Self::Hold,
-            UserCommand::Resume => Self::Resume,
-            UserCommand::Stop => Self::Stop,
-            UserCommand::Disable => Self::Disable,
-            UserCommand::FeedOverride(percent) => Self::FeedOverride { percent },
-        }
-    }
 }
 
 /// Client that plays one job on a machine, without a port and a clock of its own.
@@ -93,6 +66,12 @@ pub struct JobClient<N: Transmit> {
     user: User,
     schedule: Schedule,
     phase: Phase<N>,
+    /// The machine has the name of the job: moves are of it.
+    is_named: bool,
+    /// The machine had the job that another client has begun.
+    has_joined: bool,
+    /// Last place that a sample has told, with the tool of the job allowed.
+    reached: JobPlace,
 }
 
 /// Means to bring the machine to the start of the job.
@@ -113,14 +92,14 @@ struct Approach<N: Transmit> {
     is_near: bool,
     /// The straight way to the start of the job, which the machine has taken.
     way: Option<Move<N>>,
-    /// The machine has begun the job for another client: items that it had taken, as far as that one knew.
-    attachment: Option<u32>,
+    /// The machine has begun the job for another client: items that it had taken, as far as that one knew, and the number of its first move.
+    attachment: Option<BegunJob>,
 }
 
 /// Commands of the user.
 #[derive(Clone, Debug, Default)]
 struct User {
-    waiting: VecDeque<UserCommand>,
+    commands: UserCommands,
     /// The machine has executed a stop.
     has_stopped: bool,
 }
@@ -165,6 +144,9 @@ impl<N: Transmit> JobClient<N> {
             user: User::default(),
             schedule: Schedule::new(),
             phase: Phase::Greeting,
+            is_named: false,
+            has_joined: false,
+            reached: JobPlace::default(),
         }
     }
 
@@ -214,13 +196,20 @@ impl<N: Transmit> JobClient<N> {
         self
     }
 
-    /// Goes on with a job that another client has begun: the job of the same name, with the same items, of which the machine had
-    /// taken `taken` or more. A machine that waits for its host is resumed, and goes on at the very
-    /// place. One that has lost the job ends it: [`JobFailure::Restarted`], [`JobFailure::OtherJob`], [`JobFailure::Dropped`].
+    /// Goes on with a job that another client has begun: the job of the same name, with the same items, of which the machine has the part
+    /// `begun` or more. The same job may have been played before: the number of its first move tells them apart. A machine that waits for its
+    /// host is resumed, and goes on at the very place. One that has lost the job ends it: [`JobFailure::Restarted`], [`JobFailure::OtherJob`],
+    /// [`JobFailure::Dropped`].
     #[must_use]
-    pub fn attached(mut self, taken: u32) -> Self {
-        self.approach.attachment = Some(taken);
+    pub fn attached(mut self, begun: BegunJob) -> Self {
+        self.approach.attachment = Some(begun);
         self
+    }
+
+    /// Returns true if the client has found the machine with the job that it [goes on with](Self::attached): what ends the job from then on is
+    /// another end of it.
+    pub fn has_joined(&self) -> bool {
+        self.has_joined
     }
 
     /// Returns the way to the start of the job that the machine has taken, while it is on it.
@@ -236,13 +225,28 @@ impl<N: Transmit> JobClient<N> {
         }
     }
 
-    /// Returns the place of the job at which the machine has left it: at a stop or a fault since it was switched on.
+    /// Returns the place of the job at which it lost its tool: at a stop, a fault or an open door. The machine stands behind it.
     pub fn interrupted(&self) -> Option<JobPlace> {
-        let interruption = self.status.as_ref()?.interrupted?;
+        self.left(self.status.as_ref()?)
+    }
+
+    /// The same as of `status`. On the way to its start the machine has nothing of the job.
+    fn left(&self, status: &Status<N>) -> Option<JobPlace> {
+        let interruption = status.interrupted.filter(|_| self.is_named)?;
         Some(JobPlace {
             index: self.index(interruption.number)?,
             at: interruption.at,
         })
+    }
+
+    /// Returns the last place of the job that was played with its tool, as far as known: where a job that is lost goes on.
+    pub fn reached(&self) -> JobPlace {
+        self.interrupted().unwrap_or(self.reached)
+    }
+
+    /// Returns the number of the job's first move on the machine, once the machine has the name of the job. No other job has it.
+    pub fn first_move(&self) -> Option<u32> {
+        self.is_named.then(|| self.progress.first_move())?
     }
 
     /// Asks for a sample of the drives every `every` ticks, too. A machine whose drives tell nothing plays the job without.
@@ -290,7 +294,14 @@ impl<N: Transmit> JobClient<N> {
     /// Returns the number of moves played to their end, as of the last status; that of pieces where all are.
     pub fn done(&self) -> u32 {
         let status = self.status.as_ref();
-        status.map_or(0, |status| self.progress.done(status))
+        status.map_or(0, |status| self.done_of(status))
+    }
+
+    /// The same as of `status`. The machine counts moves on its way to rest as over.
+    fn done_of(&self, status: &Status<N>) -> u32 {
+        let done = self.progress.done(status);
+        self.left(status)
+            .map_or(done, |place| done.min(place.index))
     }
 
     /// Returns the index, counted from 0, of the move that the machine calls `number`.
@@ -335,9 +346,16 @@ impl<N: Transmit> JobClient<N> {
         failure.describe(self.item(), about.map_or(0, |each| each.ticks), &units)
     }
 
-    /// Takes a command of the user. The command goes before everything but the open request.
+    /// Takes a command of the user. The command goes before everything but the open request. A stop of a machine that has not told its status
+    /// yet ends the job at once: nothing of it was begun.
     pub fn command(&mut self, command: UserCommand) {
-        self.user.waiting.push_back(command);
+        let is_fresh = self.status.is_none() && self.approach.attachment.is_none();
+        match command {
+            UserCommand::Stop if is_fresh && self.failure().is_none() => {
+                self.phase = Phase::Finished(Err(JobFailure::Stopped { done: 0 }));
+            }
+            command => self.user.commands.push(command),
+        }
     }
 
     /// Begins the conversation again on a port that was opened anew. The job goes on where it is.
@@ -345,6 +363,7 @@ impl<N: Transmit> JobClient<N> {
         if !matches!(self.phase, Phase::Ending(_) | Phase::Finished(_)) {
             self.phase = Phase::Greeting;
         }
+        self.user.commands.recall();
         self.exchange.forget();
     }
 
@@ -386,6 +405,9 @@ impl<N: Transmit> JobClient<N> {
             }
             return;
         }
+        if let Message::Telemetry(sample) = message {
+            return self.on_sample(sample);
+        }
         let Some((Request { sequence, command }, reply)) = self.exchange.receive(message) else {
             return;
         };
@@ -394,6 +416,7 @@ impl<N: Transmit> JobClient<N> {
             Reply::Status(status) => self.on_status(sequence, status, now),
             Reply::Refused(refusal) => self.on_refusal(&command, refusal, now),
             Reply::Done => {
+                self.user.commands.settle(&command);
                 if command.offered().is_some() {
                     self.last_taken = Some(sequence);
                 }
@@ -402,6 +425,19 @@ impl<N: Transmit> JobClient<N> {
             Reply::Section(section) => self.on_section(&section),
             // The exchange has the first, and the client asks for no other.
             Reply::Kept { .. } | Reply::Update(_) => {}
+        }
+    }
+
+    /// Takes note of the place of a sample, if the tool of the job is allowed there: not on a ramp to rest behind a stop, a fault or a door.
+    fn on_sample(&mut self, sample: &Telemetry<N>) {
+        let plays = match sample.state {
+            State::Running => true,
+            State::Slowing | State::Holding => sample.acting != Acting::Door,
+            _ => false,
+        };
+        if let Some(index) = self.index(sample.number).filter(|_| plays && self.is_named) {
+            let at = sample.at;
+            self.reached = self.reached.max(JobPlace { index, at });
         }
     }
 

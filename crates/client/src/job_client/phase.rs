@@ -71,10 +71,19 @@ pub(super) enum Next<N: Transmit> {
 impl<N: Transmit> JobClient<N> {
     /// Returns the next act in the present phase.
     pub(super) fn next(&mut self, now: Duration) -> Next<N> {
+        if self.hears_user()
+            && now >= self.schedule.pause()
+            && let Some(command) = self.user.commands.ask()
+        {
+            return Next::Ask(command.into());
+        }
         let order = match &self.phase {
             Phase::Greeting => return Next::Ask(Command::Hello(self.hello)),
             Phase::Checking => return Next::Ask(Command::Read(SectionName::Platform)),
             Phase::Meeting | Phase::Surveying => return Next::Ask(Command::Status),
+            Phase::Ending(_) => Command::Stop,
+            // Nothing else is begun: the next status says that it has come to rest.
+            _ if self.user.has_stopped => return self.watch(now),
             Phase::Awaiting => return self.watch(now),
             Phase::Underway => return self.watch_way(now),
             Phase::Streaming => return self.feed(now),
@@ -93,7 +102,6 @@ impl<N: Transmit> JobClient<N> {
             Phase::Sampling => Command::Drives {
                 every: self.drives.unwrap_or(0),
             },
-            Phase::Ending(_) => Command::Stop,
         };
         // The tick takes one order at a time: after a refusal the client waits for a tick.
         match self.schedule.pause() {
@@ -120,11 +128,14 @@ impl<N: Transmit> JobClient<N> {
         self.is_free() && self.status.as_ref().is_some_and(Status::waits_for_host)
     }
 
-    /// Passes on what the user commands, and asks for the status in time.
+    /// Returns true if the machine is known, and the job goes on: the commands of the user go before all else.
+    fn hears_user(&self) -> bool {
+        let is_over = matches!(self.phase, Phase::Ending(_) | Phase::Finished(_));
+        self.status.is_some() && !is_over && self.phase != Phase::Greeting
+    }
+
+    /// Asks for the status in time.
     fn watch(&mut self, now: Duration) -> Next<N> {
-        if let Some(command) = self.user.waiting.pop_front() {
-            return Next::Ask(command.into());
-        }
         match self.schedule.look() {
             // One question at a time.
             _ if self
@@ -142,7 +153,7 @@ impl<N: Transmit> JobClient<N> {
     /// Watches, offers moves as the machine has room, and starts them.
     fn feed(&mut self, now: Duration) -> Next<N> {
         let look = match self.watch(now) {
-            Next::Listen(look) if !self.user.has_stopped && now >= self.schedule.pause() => look,
+            Next::Listen(look) if now >= self.schedule.pause() => look,
             next => return next,
         };
         if self.has_to_resume() {

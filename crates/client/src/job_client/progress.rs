@@ -153,10 +153,15 @@ impl<N: Transmit> JobProgress<N> {
         }
     }
 
-    /// Returns the moves played to their end.
+    /// Returns the moves that are over. None are while the machine plays what came before them.
     pub(super) fn moves_done(&self, status: &Status<N>) -> u32 {
-        self.base
-            .map_or(0, |base| status.done.wrapping_sub(base.r#move))
+        let base = self.base.map_or(status.done, |base| base.r#move);
+        (status.done.wrapping_sub(base) as i32).max(0) as u32
+    }
+
+    /// Returns the number by which the machine calls the first move, if known.
+    pub(super) fn first_move(&self) -> Option<u32> {
+        self.base.map(|base| base.r#move)
     }
 
     /// Returns the items that the machine says it has taken. Fewer than were there before read as a

@@ -94,7 +94,10 @@ impl<N: Transmit> JobClient<N> {
                 }
                 self.schedule.look_at(now);
             }
-            Command::Job(_) => self.phase = Phase::Streaming,
+            Command::Job(_) => {
+                self.is_named = true;
+                self.phase = Phase::Streaming;
+            }
             Command::Start => {
                 if let Some(status) = &mut self.status {
                     status.state = State::Running;
@@ -140,14 +143,18 @@ impl<N: Transmit> JobClient<N> {
             }
             // The machine was switched off and on, or another client came between.
             (_, Refusal::HelloFirst | Refusal::Sequence { .. } | Refusal::SequenceReused) => {
+                self.user.commands.recall();
                 self.phase = match self.phase {
                     Phase::Ending(failure) => Phase::Finished(Err(failure)),
                     _ => Phase::Greeting,
                 };
             }
             // Not now: the status will say when.
-            (_, Refusal::Busy)
-            | (Command::Start, Refusal::Undecided | Refusal::NothingQueued | Refusal::EndsMoving) => {
+            (_, Refusal::Busy) => {
+                self.user.commands.recall();
+                self.schedule.wait(now);
+            }
+            (Command::Start, Refusal::Undecided | Refusal::NothingQueued | Refusal::EndsMoving) => {
                 self.schedule.wait(now)
             }
             // Another client has moved it meanwhile.
@@ -199,10 +206,17 @@ impl<N: Transmit> JobClient<N> {
             // Another client has enabled the machine.
             (Command::Enable, Refusal::State(_)) => self.phase = Phase::Surveying,
             // The user's command came too late or too early, which does no harm.
-            (Command::Hold | Command::Resume, _) => {}
+            (Command::Hold | Command::Resume, _) => {
+                self.user.commands.settle(command);
+                // The status is older than what refuses it.
+                self.schedule.wait(now);
+            }
             (_, refusal) => match self.phase {
                 Phase::Ending(failure) => self.phase = Phase::Finished(Err(failure)),
-                _ => self.end_refused(command, refusal),
+                _ => {
+                    self.user.commands.settle(command);
+                    self.end_refused(command, refusal);
+                }
             },
         }
     }

@@ -35,6 +35,11 @@ impl<N: Transmit> JobClient<N> {
             self.dry_before = status.dry_ticks;
         }
         let next = match (&self.phase, before) {
+            (Phase::Ending(_) | Phase::Finished(_), _) => None,
+            _ if self.user.has_stopped && has_ended(status.state) => {
+                let stopped = failed(self.stopped(&status));
+                Some(self.complaint(&status).unwrap_or(stopped))
+            }
             (Phase::Meeting, _) | (_, None) => Some(self.on_meeting(&status)),
             (Phase::Surveying, Some(before)) => Some(self.on_survey(&before, &status)),
             (Phase::Awaiting, Some(before)) => self.on_the_way(&before, &status),
@@ -48,20 +53,26 @@ impl<N: Transmit> JobClient<N> {
 
     /// First status of the machine: it has to be idle and empty, or to be brought to that.
     fn on_meeting(&mut self, status: &Status<N>) -> Phase<N> {
-        if let Some(taken) = self.approach.attachment
+        if let Some((taken, first_move)) = self.approach.attachment
             && let Some(identity) = &self.identity
         {
             match &status.job {
                 None => return failed(JobFailure::Restarted(identity.board.start)),
-                Some(job) if job.label != self.label => {
+                Some(job)
+                    if job.label != self.label
+                        || first_move.is_some_and(|first| first != job.first_move) =>
+                {
                     return failed(JobFailure::OtherJob(job.label));
                 }
                 Some(job) => self.progress.count_from(job),
             }
+            self.is_named = true;
             // Fewer, and the machine has dropped some.
             let found = self.progress.taken(status);
             self.progress.resume_behind(found.max(taken));
-            return self.on_survey(status, status);
+            let next = self.on_survey(status, status);
+            self.has_joined = !matches!(next, Phase::Finished(_));
+            return next;
         }
         if let Some(fault) = status.fault {
             return match self.approach.recovery_s {
@@ -142,7 +153,7 @@ impl<N: Transmit> JobClient<N> {
             }
             // The machine came to rest before it arrived.
             State::Disabled | State::Unhomed | State::Cleared => {
-                return Some(failed(self.stopped(0, status.acting)));
+                return Some(failed(self.stopped(status)));
             }
             _ => {}
         }
@@ -163,8 +174,7 @@ impl<N: Transmit> JobClient<N> {
             status.state,
             State::Disabled | State::Unhomed | State::Cleared
         ) {
-            let done = self.progress.done(status);
-            return Some(failed(self.stopped(done, status.acting)));
+            return Some(failed(self.stopped(status)));
         }
         self.is_played(status).then_some(Phase::Finished(Ok(())))
     }
@@ -217,19 +227,13 @@ impl<N: Transmit> JobClient<N> {
         }
         match status.state {
             State::Idle if status.next == status.done => {
-                let stands = status.end?.pose;
                 self.approach.way = None;
-                if stands != way.to && self.user.has_stopped {
-                    return Some(failed(self.stopped(0, status.acting)));
-                }
                 // The way is no part of the job.
                 self.progress.restart_count();
                 Some(Phase::Surveying)
             }
             State::Idle if status.admitted == status.next => Some(Phase::SettingOff),
-            State::Disabled | State::Unhomed | State::Cleared => {
-                Some(failed(self.stopped(0, status.acting)))
-            }
+            State::Disabled | State::Unhomed | State::Cleared => Some(failed(self.stopped(status))),
             _ => None,
         }
     }
@@ -259,7 +263,8 @@ impl<N: Transmit> JobClient<N> {
         if let Some(fault) = status.fault.filter(|_| is_latched) {
             return Some(failed(JobFailure::Fault(fault)));
         }
-        let verdict = status.refused?;
+        // A refusal from before the first offer is of another job.
+        let verdict = status.refused.filter(|_| self.progress.has_taken() > 0)?;
         let index = match self.progress.is_path() {
             // The piece at which the path was given up is the next one.
             true => self.progress.taken(status),
@@ -279,21 +284,26 @@ impl<N: Transmit> JobClient<N> {
         {
             return Some(failed(JobFailure::Restarted(identity.board.start)));
         }
-        let done = self.progress.done(status);
-        // A machine that was stopped before its first move ended has dropped nothing yet.
-        let has_stopped = status.state == State::Idle
-            && matches!(status.acting, Acting::Stop | Acting::Silence)
-            && self.progress.moves_done(status) > 0;
+        // A job that was left on its way to rest may count as passed to its end.
+        let is_left = has_ended(status.state) && self.left(status).is_some();
         // A piece at which a path was given up is no longer counted: its verdict says so.
         let has_dropped = taken < self.progress.has_taken();
-        (has_dropped || has_stopped).then(|| failed(self.stopped(done, status.acting)))
+        (has_dropped || is_left).then(|| failed(self.stopped(status)))
     }
 
-    /// Failure of a job that stopped after `done` moves.
-    fn stopped(&self, done: u32, acting: Acting) -> JobFailure<N> {
+    /// Failure of a job on a machine that has stopped.
+    fn stopped(&self, status: &Status<N>) -> JobFailure<N> {
+        // On the way to its start the machine has nothing of the job.
+        let done = match self.is_named {
+            true => self.done_of(status),
+            false => 0,
+        };
         match self.user.has_stopped {
             true => JobFailure::Stopped { done },
-            false => JobFailure::Dropped { done, acting },
+            false => JobFailure::Dropped {
+                done,
+                acting: status.acting,
+            },
         }
     }
 
@@ -309,6 +319,11 @@ impl<N: Transmit> JobClient<N> {
             ticks: ticks.max(1.0) as u32,
         }))
     }
+}
+
+/// Returns true if a machine in `state` stands, and plays no job.
+fn has_ended(state: State) -> bool {
+    state.is_at_rest() && state != State::Holding
 }
 
 /// Returns true if a machine in `state` leaves it by itself, with no job under way.

@@ -35,6 +35,6 @@ pub use links::{Link, OpenError, open, open_keyed, open_link, open_watched};
 use links::{WRITE_TIMEOUT, closed};
 pub use raw::RawMessage;
 #[cfg(feature = "transport")]
-pub use refusal::KeyRefusal;
+pub use refusal::{KeyRefusal, OtherClient};
 #[cfg(feature = "transport")]
 pub use served::{Listener, ServedLink};

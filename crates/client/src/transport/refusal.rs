@@ -58,10 +58,31 @@ pub(super) fn ends(received: &[u8]) -> bool {
     told(received, |words, received| words == received).is_some()
 }
 
-/// Watches the first bytes of a far end without a key for the words that it expects one.
+/// The machine has another client.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "another client has the machine, which takes one at a time: end that client, or wait until it has gone"
+)]
+pub struct OtherClient;
+
+impl OtherClient {
+    /// Words that a machine sends to a client that it turns away, in place of an answer.
+    pub(super) const WORDS: &[u8] = b"\x00\x16trirrr: another client";
+
+    /// Returns true if `error` says so.
+    pub fn is_in(error: &io::Error) -> bool {
+        error.get_ref().is_some_and(|inner| inner.is::<Self>())
+    }
+
+    fn error() -> io::Error {
+        io::Error::new(io::ErrorKind::ResourceBusy, Self)
+    }
+}
+
+/// Watches the first bytes of a far end for the words that it expects a key, or has another client.
 #[derive(Default)]
 pub(super) struct FirstBytes {
-    matched: usize,
+    seen: Vec<u8>,
     is_over: bool,
 }
 
@@ -69,18 +90,21 @@ impl FirstBytes {
     /// Looks at bytes as they come.
     ///
     /// # Errors
-    /// The far end expects a key.
+    /// The far end expects a key, or has another client.
     pub(super) fn look(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let words = [KeyRefusal::Needed.record(), OtherClient::WORDS];
         if self.is_over {
             return Ok(());
         }
-        let words = &KeyRefusal::Needed.record()[self.matched..];
-        let length = words.len().min(bytes.len());
-        self.is_over = words[..length] != bytes[..length];
-        self.matched += length;
-        match !self.is_over && length == words.len() {
-            true => Err(KeyRefusal::Needed.error()),
-            false => Ok(()),
+        let longest = words.iter().map(|words| words.len()).max().unwrap_or(0);
+        let room = longest.saturating_sub(self.seen.len()).min(bytes.len());
+        self.seen.extend_from_slice(&bytes[..room]);
+        let [needed, other] = words.map(|words| self.seen.starts_with(words));
+        self.is_over = !words.iter().any(|words| words.starts_with(&self.seen));
+        match (needed, other) {
+            (true, _) => Err(KeyRefusal::Needed.error()),
+            (_, true) => Err(OtherClient::error()),
+            _ => Ok(()),
         }
     }
 }
@@ -100,5 +124,15 @@ mod tests {
             assert_eq!(ends.is_err(), refusal == KeyRefusal::Needed);
             assert!(first.look(b"\x00").is_ok() || refusal == KeyRefusal::Needed);
         }
+        let words = OtherClient::WORDS;
+        assert_eq!(usize::from(words[1]), words.len() - 2);
+        let mut first = FirstBytes::default();
+        assert!(first.look(&words[..9]).is_ok());
+        let mut rest = words[9..].to_vec();
+        rest.extend(b"more");
+        assert!(OtherClient::is_in(&first.look(&rest).unwrap_err()));
+        // Samples may hold the same bytes.
+        let mut first = FirstBytes::default();
+        assert!(first.look(b"\x05frame\x00").is_ok() && first.look(words).is_ok());
     }
 }

@@ -10,6 +10,9 @@ use std::time::{Duration, Instant};
 /// Longest wait for the far end to answer a greeting.
 const GREETING_TIMEOUT: Duration = Duration::from_secs(5);
 
+/// Bytes that are read of a far end that has closed the line.
+const LAST: usize = 256;
+
 /// Connection without a key.
 pub(super) struct PlainLink {
     link: TcpLink,
@@ -33,7 +36,8 @@ impl Link for PlainLink {
     }
 
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.link.send(bytes)
+        let sent = self.link.send(bytes);
+        sent.map_err(|error| said_at_last(self, error))
     }
 }
 
@@ -41,6 +45,7 @@ impl Link for PlainLink {
 pub(super) struct SealedLink {
     link: TcpLink,
     seal: Seal,
+    first: FirstBytes,
 }
 
 impl SealedLink {
@@ -50,7 +55,8 @@ impl SealedLink {
     /// [`KeyRefusal`](super::KeyRefusal); [`io::ErrorKind::TimedOut`] if no answer comes; as [`Link`].
     pub(super) fn greet(link: TcpLink, key: &SharedKey) -> io::Result<Self> {
         let seal = Seal::of_client(key)?;
-        let mut link = Self { link, seal };
+        let first = FirstBytes::default();
+        let mut link = Self { link, seal, first };
         let end = Instant::now() + GREETING_TIMEOUT;
         link.send_sealed()?;
         while !link.seal.is_open() {
@@ -87,6 +93,7 @@ impl Link for SealedLink {
         let end = Instant::now() + timeout;
         loop {
             let length = self.seal.open(buffer)?;
+            self.first.look(&buffer[..length])?;
             if length > 0 || !self.read(end.saturating_duration_since(Instant::now()))? {
                 return Ok(length);
             }
@@ -94,10 +101,18 @@ impl Link for SealedLink {
     }
 
     fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        for bytes in bytes.chunks(PLAIN) {
+        let sealed = bytes.chunks(PLAIN).try_for_each(|bytes| {
             self.seal.seal(bytes)?;
-            self.send_sealed()?;
-        }
-        Ok(())
+            self.send_sealed()
+        });
+        sealed.map_err(|error| said_at_last(self, error))
+    }
+}
+
+/// Returns the reason that a far end has given before it closed the line, or else `error`.
+fn said_at_last(link: &mut impl Link, error: io::Error) -> io::Error {
+    match link.receive(&mut [0; LAST], Duration::ZERO) {
+        Err(why) if why.get_ref().is_some() => why,
+        _ => error,
     }
 }

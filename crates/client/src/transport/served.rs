@@ -2,11 +2,11 @@
 
 use super::SharedKey;
 use super::closed;
-use super::refusal::KeyRefusal;
+use super::refusal::{KeyRefusal, OtherClient};
 use super::seal::{PLAIN, Seal, WITH_KEY};
 use super::tcp::{is_closed, is_for_want_of_time, taken};
 use std::io::{self, Read, Write};
-use std::net::{SocketAddr, TcpListener, TcpStream};
+use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 
 /// TCP port that waits for clients, with a key or without.
 #[derive(Debug)]
@@ -112,6 +112,16 @@ impl ServedLink {
         {
             let _ = self.stream.write(KeyRefusal::Needed.record());
         }
+    }
+
+    /// Tells a client that another one has the machine, and ends the link. A client that does not read learns less.
+    pub fn turn_away(mut self) {
+        // What has come and is not read would take the words with it.
+        let mut bytes = [0; PLAIN];
+        while self.receive_now(&mut bytes).is_ok_and(|length| length > 0) {}
+        let _ = self.send_now(OtherClient::WORDS);
+        let _ = self.flush_now();
+        let _ = self.stream.shutdown(Shutdown::Write);
     }
 
     /// Reads the bytes that have come. Returns 0 if none have come.
@@ -227,7 +237,7 @@ fn refused(error: io::Error) -> io::Error {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Address, Link, OpenError, open, open_keyed};
+    use super::super::{Address, Link, OpenError, open, open_keyed, open_link};
     use super::*;
     use std::thread;
     use std::time::Duration;
@@ -350,6 +360,31 @@ mod tests {
             assert!(error.to_string().contains(noted), "{error}");
             drop(board);
             assert_eq!(client.join().unwrap(), refusal);
+        }
+    }
+
+    #[test]
+    fn a_client_that_is_turned_away_hears_why() {
+        let key = SharedKey::random().unwrap();
+        for key in [None, Some(key)] {
+            let listener = Listener::bind("127.0.0.1:0").unwrap();
+            let listener = listener.with_key(key.clone());
+            let address = address(&listener);
+            let client = thread::spawn(move || open_link(&address, 0, key.as_ref()).unwrap());
+            let mut board = accepted(&listener);
+            while !board.is_through().unwrap() {}
+            let mut client = client.join().unwrap();
+            client.send(b"hello").unwrap();
+            board.turn_away();
+            let why = loop {
+                // Whatever it does first: the words are there when it has lost the line.
+                let said = client.send(b"hello").err();
+                let heard = client.receive(&mut [0; 64], Duration::from_millis(1)).err();
+                if let Some(error) = said.or(heard) {
+                    break error;
+                }
+            };
+            assert!(super::OtherClient::is_in(&why), "{why}");
         }
     }
 

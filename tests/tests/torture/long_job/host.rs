@@ -4,8 +4,7 @@ use std::rc::Rc;
 use std::time::Duration;
 use trirrr_bench::device::{MessageDecoder, TICK_RATE_HZ, hello_in, request_frame};
 use trirrr_bench::slow_link::SlowLink;
-use trirrr_client::records::is_of_a_job;
-use trirrr_client::{Action, JobClient, JobFailure, JobPlace, JobRest, Patience};
+use trirrr_client::{Action, JobClient, JobFailure, JobMark, JobPlace, JobRest, Patience};
 use trirrr_protocol::message::Message;
 
 /// Ticks from one entry of the journal to the next.
@@ -24,19 +23,11 @@ pub(super) enum Turn {
     Ended(Result<(), JobFailure<f32>>),
 }
 
-/// Journal of the job.
-#[derive(Clone, Copy)]
-struct Entry {
-    /// Moves that the machine had taken.
-    taken: u32,
-    reached: JobPlace,
-}
-
 /// The host.
 pub(super) struct Host {
     /// Moves that are played: the job, or the rest of it. A killed host has it from the scene and the journal.
     rest: Rc<JobRest<f32>>,
-    journal: Option<Entry>,
+    journal: Option<JobMark>,
     written: u64,
     /// Number of the last conversation.
     conversation: u32,
@@ -49,7 +40,7 @@ pub(super) struct Host {
 struct Process {
     client: JobClient<f32>,
     decoder: MessageDecoder,
-    reached: JobPlace,
+    mark: JobMark,
     /// It goes on with what another one has begun.
     is_attached: bool,
 }
@@ -87,25 +78,25 @@ impl Host {
     /// Another host begins with nothing but the journal.
     pub(super) fn restart(&mut self) {
         self.begin_process();
-        let Some(Entry { taken, reached }) = self.journal else {
+        let Some(mark) = self.journal else {
             return;
         };
         let process = &mut self.process;
-        process.client = process.client.clone().attached(taken);
-        process.is_attached = true;
-        process.reached = reached;
+        process.mark = mark;
+        if let Some(begun) = mark.begun() {
+            process.client = process.client.clone().attached(begun);
+            process.is_attached = true;
+        }
     }
 
     /// Goes on after a job that the machine has lost: first by the journal, then back to the place.
     pub(super) fn go_back(&mut self, rest: impl Fn(JobPlace) -> JobRest<f32>) {
-        if let Some(place) = self.process.client.interrupted() {
-            self.reach(place);
-        }
+        self.reach();
         if !self.process.is_attached {
             self.note();
             return self.restart();
         }
-        self.rest = Rc::new(rest(self.process.reached));
+        self.rest = Rc::new(rest(self.process.mark.reached));
         self.journal = None;
         self.begin_process();
         let client = self.process.client.clone();
@@ -138,7 +129,8 @@ impl Host {
                 Action::Finished(result) => break Turn::Ended(result),
             }
         };
-        if tick >= self.written + JOURNAL_EVERY {
+        let is_named = self.process.client.first_move() != self.process.mark.first_move;
+        if is_named || tick >= self.written + JOURNAL_EVERY {
             self.written = tick;
             self.note();
         }
@@ -151,29 +143,21 @@ impl Host {
             let Ok(message) = frame else {
                 continue;
             };
-            if let Message::Telemetry(sample) = &message
-                && is_of_a_job(sample.state)
-                && let Some(index) = self.process.client.index(sample.number)
-            {
-                let at = sample.at;
-                self.reach(JobPlace { index, at });
-            }
             self.process.client.receive(&message, now);
         }
     }
 
-    fn reach(&mut self, place: JobPlace) {
-        let reached = &mut self.process.reached;
-        *reached = (*reached).max(self.rest.place(place));
+    /// Takes in what the client knows.
+    fn reach(&mut self) {
+        let Process { mark, client, .. } = &mut self.process;
+        mark.note(client, |place| self.rest.place(place));
     }
 
     /// Writes the journal, as far as anything is known.
     fn note(&mut self) {
         if self.process.client.status().is_some() {
-            self.journal = Some(Entry {
-                taken: self.process.client.offered(),
-                reached: self.process.reached,
-            });
+            self.reach();
+            self.journal = Some(self.process.mark);
         }
     }
 
@@ -196,7 +180,7 @@ impl Process {
                 conversation,
             ),
             decoder: MessageDecoder::new(),
-            reached: rest.from(),
+            mark: JobMark::at(rest.from()),
             is_attached: false,
         }
     }

@@ -1,0 +1,60 @@
+//! Account of a job that outlives its host: with it another one goes on.
+
+use crate::{JobClient, JobPlace};
+use trirrr_protocol::message::Transmit;
+
+/// Part of a job that a machine has: items that it had taken, and the number of the first move, once the machine had the name of the job.
+pub type BegunJob = (u32, Option<u32>);
+
+/// Account of a job, as far as its host knows. Places are on the whole job.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct JobMark {
+    /// Items that the machine had taken.
+    pub taken: u32,
+    /// Number of the first move on the machine, once it had the name of the job.
+    pub first_move: Option<u32>,
+    /// Place from which the job was played.
+    pub from: JobPlace,
+    /// Place up to which it was played with its tool.
+    pub reached: JobPlace,
+}
+
+impl JobMark {
+    /// Returns the mark of a job that is played from `from` on, of which no machine has anything.
+    pub fn at(from: JobPlace) -> Self {
+        Self {
+            from,
+            reached: from,
+            ..Self::default()
+        }
+    }
+
+    /// Returns the mark by which the job goes on: from its own beginning where a machine has something of it, else from the place that was
+    /// reached.
+    #[must_use]
+    pub fn resumed(self) -> Self {
+        match self.begun() {
+            Some(_) => self,
+            None => Self::at(self.reached),
+        }
+    }
+
+    /// Returns the part that a machine has; none where it did not even get the name of the job.
+    pub fn begun(&self) -> Option<BegunJob> {
+        let is_begun = self.taken > 0 || self.first_move.is_some();
+        is_begun.then_some((self.taken, self.first_move))
+    }
+
+    /// Takes in what `client` knows. `place` tells the place on the whole job of one on the moves of the client.
+    pub fn note<N: Transmit>(
+        &mut self,
+        client: &JobClient<N>,
+        place: impl Fn(JobPlace) -> JobPlace,
+    ) {
+        // A client that has not found the job knows less than the mark.
+        if let Some(first_move) = client.first_move() {
+            (self.taken, self.first_move) = (client.offered(), Some(first_move));
+            self.reached = self.reached.max(place(client.reached()));
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Commands of a user on their way to a machine.
+
+use std::collections::VecDeque;
+use trirrr_protocol::message::{Command, Transmit};
+
+/// Command of the user while the machine moves.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UserCommand {
+    /// Come to rest on the path.
+    Hold,
+    /// Go on.
+    Resume,
+    /// Come to rest on the path and drop the rest.
+    Stop,
+    /// Come to rest as by a stop, then switch the drives off.
+    Disable,
+    /// Play at so many percent of normal speed, 1 to 100, from now on.
+    FeedOverride(u8),
+}
+
+impl<N: Transmit> From<UserCommand> for Command<N> {
+    fn from(command: UserCommand) -> Self {
+        match command {
+            UserCommand::Hold => Self::Hold,
+            UserCommand::Resume => Self::Resume,
+            UserCommand::Stop => Self::Stop,
+            UserCommand::Disable => Self::Disable,
+            UserCommand::FeedOverride(percent) => Self::FeedOverride { percent },
+        }
+    }
+}
+
+/// Commands that the machine has not answered, the oldest first: a line that is lost, or a machine that is busy, takes none away.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct UserCommands {
+    waiting: VecDeque<UserCommand>,
+    /// The oldest is on its way.
+    is_asked: bool,
+}
+
+impl UserCommands {
+    /// Adds a command of the user.
+    pub(crate) fn push(&mut self, command: UserCommand) {
+        self.waiting.push_back(command);
+    }
+
+    /// Returns the next command to ask, which is on its way from now on.
+    pub(crate) fn ask(&mut self) -> Option<UserCommand> {
+        let next = self.waiting.front().filter(|_| !self.is_asked).copied();
+        self.is_asked |= next.is_some();
+        next
+    }
+
+    /// The machine has answered `command`: it is over if it was the user's.
+    pub(crate) fn settle<N: Transmit>(&mut self, command: &Command<N>) {
+        let is_asked = |asked: &UserCommand| Command::from(*asked) == *command;
+        if self.is_asked && self.waiting.front().is_some_and(is_asked) {
+            self.waiting.pop_front();
+            self.is_asked = false;
+        }
+    }
+
+    /// What was on its way may not have come, or was not taken: it is asked again.
+    pub(crate) fn recall(&mut self) {
+        self.is_asked = false;
+    }
+}
