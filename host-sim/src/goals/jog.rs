@@ -3,7 +3,7 @@
 use super::lines::{listen, numbers, standard_input};
 use super::session::{GoalSession, GoalSi, Goals};
 use crate::failure::CliError;
-use crate::stream::{key_complaint, user_command};
+use crate::stream::user_command;
 use crate::terminal::say;
 use std::sync::mpsc::{Receiver, TryRecvError};
 use std::time::Duration;

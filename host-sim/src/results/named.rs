@@ -120,7 +120,7 @@ pub(crate) fn replace<T>(
     refuse(&record, command, &[path, &partial])?;
     disk::remove(&partial)?;
     let result = write(disk::make(&partial)?);
-    if let Err(CliError::Refused(_)) = &result {
+    if let Err(CliError::Refused(_) | CliError::OtherNumbers { .. }) = &result {
         disk::remove(&partial)?;
         return result;
     }
