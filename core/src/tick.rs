@@ -232,7 +232,7 @@ impl<N: Number, M: Model<N = N>> Tick<M> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::machine::example;
+    use crate::machine::{Parameters, example};
     use crate::model::{Dynamic, Kinematic};
     use crate::number::Fixed;
     use crate::setpoint::Pose;

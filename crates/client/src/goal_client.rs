@@ -227,7 +227,7 @@ impl<N: Transmit> GoalClient<N> {
         if self.is_last && !status.planning && (is_dry || (waits && needs_more)) {
             self.falls_short = true;
             self.rest();
-            return self.orders.pop_front().map(Command::from);
+            return self.orders.ask().map(Command::from);
         }
         let stands = status.state == State::Idle && status.next == status.done;
         if stands && !status.planning && self.wanted.is_none() {

@@ -44,6 +44,11 @@ impl UserCommands {
         self.waiting.push_back(command);
     }
 
+    /// Returns true if the machine has answered all of them.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.waiting.is_empty()
+    }
+
     /// Returns the next command to ask, which is on its way from now on.
     pub(crate) fn ask(&mut self) -> Option<UserCommand> {
         let next = self.waiting.front().filter(|_| !self.is_asked).copied();

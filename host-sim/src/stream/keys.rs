@@ -26,7 +26,7 @@ pub(super) fn listen() -> Receiver<UserCommand> {
 }
 
 /// Says what is wrong with a line of a key that is known.
-pub(crate) fn key_complaint(line: &str) -> Option<String> {
+fn key_complaint(line: &str) -> Option<String> {
     let word = line.split_whitespace().next()?;
     let is_feed = matches!(word, "feed" | "f") && user_command(line).is_none();
     is_feed

@@ -11,7 +11,7 @@ mod summary;
 mod work;
 
 pub use args::{PortArgs, StreamArgs};
-pub(crate) use keys::{key_complaint, user_command};
+pub(crate) use keys::user_command;
 pub(crate) use port::Port;
 pub use session::StreamEnd;
 

@@ -6,9 +6,7 @@ use crate::JobFailure;
 use crate::approach::{short_way, straight_way};
 use crate::describe::Units;
 use std::time::Duration;
-use trirrr_protocol::message::{
-    Acting, Move, NotEnabled, Recovery, Request, State, Status, Transmit,
-};
+use trirrr_protocol::message::{Move, NotEnabled, Recovery, Request, State, Status, Transmit};
 
 impl<N: Transmit> JobClient<N> {
     /// Takes a status, and changes the phase if the status asks for it.
