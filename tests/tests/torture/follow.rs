@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 use std::time::Duration;
 use trirrr_bench::faulty_link::Random;
-use trirrr_client::local::{self, LocalService};
+use trirrr_client::local::{self, HostNumber, LocalService};
 use trirrr_client::{GoalAction, GoalClient, Patience, UserCommand};
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Acting, Goal, Message, State};
@@ -107,7 +107,7 @@ impl Curve {
 }
 
 /// Follows the curve of `seed` on `scene`.
-fn follow<N: ServiceNumber>(scene: &Scene, seed: u64, poses: u32) -> Followed {
+fn follow<N: HostNumber>(scene: &Scene, seed: u64, poses: u32) -> Followed {
     let mut random = Random::new(seed);
     let curve = Curve::drawn(&mut random, scene, poses);
     local::with_machine::<N, _>(scene, |machine| {
