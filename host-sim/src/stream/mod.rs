@@ -27,6 +27,7 @@ use session::Session;
 use std::cell::Cell;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+use std::sync::mpsc::Receiver;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use summary::Account;
 use trirrr_client::describe::Units;
@@ -64,12 +65,14 @@ const BITS_PER_BYTE: f64 = 10.0;
 /// Refused: the scene, its number type, or a move. Failed: the port, the board, or something that
 /// cannot be written.
 pub fn command(args: &StreamArgs, stop: &AtomicBool) -> Result<StreamEnd, CliError> {
-    match stream_all(args, args.scalar, stop) {
+    // One reader for all jobs and parts: a second would take lines away.
+    let keys = args.keys.then(keys::listen);
+    match stream_all(args, args.scalar, keys.as_ref(), stop) {
         Err(CliError::OtherNumbers { board, .. }) if args.scalar.is_none() => {
             say(&format!(
                 "the board computes in {board}: the job is judged in {board}, as by --scalar {board}"
             ));
-            stream_all(args, Some(board), stop)
+            stream_all(args, Some(board), keys.as_ref(), stop)
         }
         end => end,
     }
@@ -79,6 +82,7 @@ pub fn command(args: &StreamArgs, stop: &AtomicBool) -> Result<StreamEnd, CliErr
 fn stream_all(
     args: &StreamArgs,
     given: Option<NumberType>,
+    keys: Option<&Receiver<UserCommand>>,
     stop: &AtomicBool,
 ) -> Result<StreamEnd, CliError> {
     // A machine that plans gets the whole path, and numbers of little range need units for all moves.
@@ -102,7 +106,7 @@ fn stream_all(
     }
     for queued in &jobs {
         let scalar = scalar(queued);
-        let end = in_number_type!(scalar, N => stream::<N>(args, queued, scalar, stop))?;
+        let end = in_number_type!(scalar, N => stream::<N>(args, queued, scalar, keys, stop))?;
         if end != StreamEnd::Complete {
             return Ok(end);
         }
@@ -145,6 +149,7 @@ fn stream<N: ServiceNumber>(
     args: &StreamArgs,
     queued: &QueuedJob,
     scalar: NumberType,
+    keys: Option<&Receiver<UserCommand>>,
     stop: &AtomicBool,
 ) -> Result<StreamEnd, CliError> {
     let QueuedJob { file, job, folder } = queued;
@@ -157,6 +162,7 @@ fn stream<N: ServiceNumber>(
         file,
         scene,
         scalar,
+        keys,
         stop,
         units,
         folder,
@@ -238,6 +244,7 @@ struct Stream<'a> {
     file: &'a Path,
     scene: &'a Scene,
     scalar: NumberType,
+    keys: Option<&'a Receiver<UserCommand>>,
     stop: &'a AtomicBool,
     units: trirrr_core::units::Units,
     folder: &'a Path,
@@ -350,7 +357,7 @@ impl Stream<'_> {
             starts,
             supply,
             every,
-            keys: args.keys.then(keys::listen),
+            keys: self.keys,
             stop: self.stop,
             journal,
             place,

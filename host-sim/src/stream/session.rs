@@ -53,7 +53,7 @@ pub(super) struct Session<'a, N: Transmit> {
     pub(super) supply: Option<MoveSupply<'a, N>>,
     /// Ticks from one sample to the next.
     pub(super) every: u16,
-    pub(super) keys: Option<Receiver<UserCommand>>,
+    pub(super) keys: Option<&'a Receiver<UserCommand>>,
     pub(super) stop: &'a AtomicBool,
     pub(super) journal: Journal,
     /// Place on the job's path of a place on the moves that are played.
@@ -146,7 +146,7 @@ impl<N: Transmit> Session<'_, N> {
             self.display.note("Ctrl-C: the machine stops on its path");
             self.client.command(UserCommand::Stop);
         }
-        let asked: Vec<_> = self.keys.iter().flat_map(Receiver::try_iter).collect();
+        let asked: Vec<_> = self.keys.iter().flat_map(|keys| keys.try_iter()).collect();
         for ask in asked {
             match ask {
                 UserCommand::Resume => self.resume(),

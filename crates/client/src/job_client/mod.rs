@@ -396,6 +396,9 @@ impl<N: Transmit> JobClient<N> {
                 (Event::State { state, .. }, Some(status)) => {
                     std::mem::replace(&mut status.state, *state) != *state
                 }
+                (Event::Inputs(inputs), Some(status)) => {
+                    std::mem::replace(&mut status.inputs, *inputs) != *inputs
+                }
                 (Event::Verdict(verdict), _) => verdict.violation.is_some(),
                 _ => true,
             };
