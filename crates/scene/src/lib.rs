@@ -60,6 +60,7 @@ mod tools;
 mod unplanned;
 mod values;
 mod visible;
+mod way;
 pub mod words;
 
 pub use blocks::{BlockCutter, PathBlock};

@@ -43,17 +43,20 @@ impl Scene {
         let mut spool = SpoolWriter::new(file);
         // None once a move is not judged again as it was when it was planned.
         let mut so_far = Some(StopsSoFar::default());
-        let plan = |block: PathBlock| {
+        let plan = |(index, block): (usize, PathBlock)| {
             let (steps, outputs) = plan_block(scene, &block)?;
             let moves: Vec<_> = steps.into_iter().map(|(_, each)| each).collect();
-            let judged = StopMoves::judged(scene, moves.clone());
+            let judged = StopMoves::judged(scene, moves.clone(), index == 0);
             let stops = judged.map(|judged| {
-                let stops = judged.stops(scene, u64::MAX, false);
+                let stops = judged.stops(scene, usize::MAX, false);
                 (judged, stops)
             });
             Ok((moves, stops, outputs))
         };
-        let blocks = blocks.map(|block| block.map_err(UntakenJob::Path));
+        let blocks = blocks.enumerate().map(|(index, block)| match block {
+            Ok(block) => Ok((index, block)),
+            Err(error) => Err(UntakenJob::Path(error)),
+        });
         let mut all_outputs = JobOutputs::default();
         in_order(blocks, plan, |(mut moves, stops, outputs)| {
             join(spool.last(), moves.first_mut());

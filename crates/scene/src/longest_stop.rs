@@ -5,19 +5,19 @@ use crate::job::{Job, JobMove};
 use crate::judge::judge_quickly;
 use crate::levels::JobLevels;
 use crate::planning::join;
-use crate::words::short;
+use crate::way::{MoveWay, way_m};
+use crate::words::{rounded_up, short};
 use core::ops::Range;
 use std::fmt;
-use trirrr_core::setpoint::Pose;
-use trirrr_service::{MovePaces, each_stop};
+use trirrr_service::{PacedMove, StopJob, Stops};
 
-/// Longest time and longest way of a hold or a stop, wherever on a job it comes at normal speed. They may belong to
-/// different places. A job that is over before it comes to rest stands at its end.
+/// Bounds of the time and of the way of a hold or a stop, wherever on a job it comes, at whatever pace: below normal speed by a
+/// feed override, on the way there, or on the way up from a hold. They may belong to different places.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct LongestStop {
-    /// Seconds until the machine stands.
+    /// Seconds from the tick that begins to slow down until the machine stands, or has come to the end of the job.
     pub time_s: f64,
-    /// Way of D until there, m, by chords of a tick.
+    /// Length of D's path until there, m, rounded up to three significant digits.
     pub way_m: f64,
 }
 
@@ -31,8 +31,11 @@ impl LongestStop {
 
 impl fmt::Display for LongestStop {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let (time, way) = (short(self.time_s), short(self.way_m));
-        write!(f, "at rest within {time} s and {way} m, wherever it comes")
+        let [time, way] = [self.time_s, self.way_m].map(|value| short(rounded_up(value, 4)));
+        write!(
+            f,
+            "at rest within {time} s and {way} m, wherever it comes, at any pace"
+        )
     }
 }
 
@@ -43,20 +46,22 @@ impl Scene {
         if let Some(spool) = &self.job.spool {
             return spool.longest_stop();
         }
-        let moves = StopMoves::judged(self, self.job.moves.clone())?;
-        Some(moves.stops(self, u64::MAX, true).longest)
+        let moves = StopMoves::judged(self, self.job.moves.clone(), true)?;
+        Some(moves.stops(self, usize::MAX, true).longest)
     }
 }
 
 /// Moves of a job, and the rates that are proven for each.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct StopMoves {
+    /// True if they are the first of the job.
+    begins: bool,
     moves: Vec<JobMove>,
-    paces: Vec<MovePaces>,
+    paced: Vec<PacedMove>,
 }
 
 /// Stops on a part of a job.
-pub(crate) struct Stops {
+pub(crate) struct FoundStops {
     /// The longest of those that end in it.
     longest: LongestStop,
     /// Index of the first move from which a stop may go on behind the part; the number of moves where none does.
@@ -65,7 +70,7 @@ pub(crate) struct Stops {
 
 impl StopMoves {
     /// Judges `moves` on the machine of `scene`. None if one is not admitted.
-    pub(crate) fn judged(scene: &Scene, moves: Vec<JobMove>) -> Option<Self> {
+    pub(crate) fn judged(scene: &Scene, moves: Vec<JobMove>, begins: bool) -> Option<Self> {
         let job = Job {
             moves,
             path: None,
@@ -79,79 +84,65 @@ impl StopMoves {
             ..scene.clone()
         };
         let judgements = judge_quickly(&trial, usize::MAX).ok()?;
-        let paces: Option<_> = judgements.into_iter().map(Result::ok).collect();
+        let moves = trial.job.moves;
+        let paced = moves.iter().zip(judgements).map(|(each, paces)| {
+            Some(PacedMove {
+                ticks: each.duration_ticks,
+                paces: paces.ok()?,
+                // Or may do so in the number type.
+                rests: each.end_velocity.amax() < 1e-6,
+            })
+        });
+        let paced = paced.collect::<Option<_>>()?;
         Some(Self {
-            paces: paces?,
-            moves: trial.job.moves,
+            begins,
+            moves,
+            paced,
         })
     }
 
-    /// Looks at the stops that begin before the tick `before` of these moves. At their end the machine stands; the job is over there if
-    /// it `ends`.
-    pub(crate) fn stops(&self, scene: &Scene, before: u64, ends: bool) -> Stops {
-        let ticks = || self.moves.iter().map(|each| each.duration_ticks);
-        let paced: Vec<_> = ticks().zip(self.paces.iter().copied()).collect();
-        let mut total = 0;
-        let starts: Vec<u64> = ticks()
-            .map(|ticks| {
-                let start = total;
-                total += u64::from(ticks);
-                start
-            })
+    /// Looks at the stops that begin in the first `count` of these moves. At their end the machine stands, and the job is over, if it
+    /// `ends` there.
+    pub(crate) fn stops(&self, scene: &Scene, count: usize, ends: bool) -> FoundStops {
+        let moves = self.moves.iter();
+        let ways: Vec<_> = moves
+            .map(|each| MoveWay::of(each, scene.period_s()))
             .collect();
-        let mut stops = Stops {
+        let job = StopJob::new(&self.paced, scene.ramp().ticks, self.begins, ends);
+        let mut found = FoundStops {
             longest: LongestStop::default(),
             open: self.moves.len(),
         };
-        each_stop(&paced, scene.ramp().ticks, |start, stop| {
-            if start >= before {
-                return;
-            }
-            if !ends && start + u64::from(stop.path_ticks) >= total {
-                let index = starts.partition_point(|first| *first <= start);
-                stops.open = stops.open.min(index.saturating_sub(1));
-                return;
-            }
-            stops.longest.merge(LongestStop {
-                time_s: f64::from(stop.ticks) * scene.period_s(),
-                way_m: self.way_m(scene, &starts, start, stop.path_ticks),
-            });
-        });
-        stops
-    }
-
-    /// Way of D during `ticks` from the tick `start` on; `starts` are the first ticks of the moves.
-    fn way_m(&self, scene: &Scene, starts: &[u64], start: u64, mut ticks: u32) -> f64 {
-        let mut index = starts.partition_point(|first| *first <= start);
-        let mut way_m = 0.0;
-        while index > 0 && index <= starts.len() && ticks > 0 {
-            let each = &self.moves[index - 1];
-            let first = start.saturating_sub(starts[index - 1]) as u32;
-            let last = first.saturating_add(ticks).min(each.duration_ticks);
-            let segment = each.segment::<f64>(each.duration_ticks, scene.period_s());
-            let place = |tick| {
-                let Pose { position, .. } = segment.at(tick).pose;
-                position
+        job.each(count, |stops| {
+            let Stops { from, to, .. } = *stops;
+            let Some(to) = to else {
+                found.open = found.open.min(from.index);
+                return false;
             };
-            for tick in first..last {
-                let chord = place(tick + 1) - place(tick);
-                way_m += chord.x.hypot(chord.y);
+            let [from, to] = [from, to].map(|place| (place.index, job.ticks(place.parts)));
+            let stop = LongestStop {
+                time_s: stops.ticks as f64 * scene.period_s(),
+                way_m: way_m(&ways, from, to, job.ticks(stops.parts)),
+            };
+            let longest = found.longest;
+            let longer = [stop.time_s > longest.time_s, stop.way_m > longest.way_m];
+            let is_closer = |i: usize| longer[i] && !stops.is_narrow[i];
+            if is_closer(0) || is_closer(1) {
+                return true;
             }
-            ticks -= last - first;
-            index += 1;
-        }
-        way_m
-    }
-
-    fn ticks(&self) -> u64 {
-        let ticks = self.moves.iter().map(|each| each.duration_ticks);
-        ticks.map(u64::from).sum()
+            found.longest.merge(LongestStop {
+                way_m: rounded_up(stop.way_m, 3),
+                ..stop
+            });
+            false
+        });
+        found
     }
 
     /// Adds `others` to the end.
     fn append(&mut self, others: &Self, range: Range<usize>) {
         self.moves.extend_from_slice(&others.moves[range.clone()]);
-        self.paces.extend_from_slice(&others.paces[range]);
+        self.paced.extend_from_slice(&others.paced[range]);
     }
 
     /// Lets the first move begin where `before` ends.
@@ -173,17 +164,20 @@ pub(crate) struct StopsSoFar {
 
 impl StopsSoFar {
     /// Adds the next block; `stops` are those within it.
-    pub(crate) fn add(&mut self, scene: &Scene, block: &StopMoves, stops: &Stops) {
+    pub(crate) fn add(&mut self, scene: &Scene, block: &StopMoves, stops: &FoundStops) {
         self.longest.merge(stops.longest);
         if self.open.moves.is_empty() || self.ends_in(scene, block) {
-            self.open = StopMoves::default();
+            self.open = StopMoves {
+                begins: block.begins && stops.open == 0,
+                ..StopMoves::default()
+            };
             self.open.append(block, stops.open..block.moves.len());
         }
     }
 
     /// Follows the stops from what is open into `block`. Returns false if one goes on behind that, a short one: it is open, too, then.
     fn ends_in(&mut self, scene: &Scene, block: &StopMoves) -> bool {
-        let (count, before) = (self.open.moves.len(), self.open.ticks());
+        let count = self.open.moves.len();
         let mut seam_ticks = SEAM_TICKS;
         let mut head = 0;
         let mut head_ticks = 0;
@@ -194,15 +188,16 @@ impl StopsSoFar {
                 head_ticks += u64::from(block.moves[head].duration_ticks);
                 head += 1;
             }
-            let seam = self.open.stops(scene, before, false);
+            let seam = self.open.stops(scene, count, false);
             if seam.open >= count {
                 self.longest.merge(seam.longest);
                 return true;
             }
             if head == block.moves.len() {
                 self.longest.merge(seam.longest);
+                self.open.begins &= seam.open == 0;
                 self.open.moves.drain(..seam.open);
-                self.open.paces.drain(..seam.open);
+                self.open.paced.drain(..seam.open);
                 return false;
             }
             seam_ticks *= 4;
@@ -212,7 +207,7 @@ impl StopsSoFar {
     /// Ends the job.
     pub(crate) fn end(&self, scene: &Scene) -> LongestStop {
         let mut longest = self.longest;
-        longest.merge(self.open.stops(scene, u64::MAX, true).longest);
+        longest.merge(self.open.stops(scene, usize::MAX, true).longest);
         longest
     }
 }

@@ -12,7 +12,7 @@ pub struct Service {
     pub silence_timeout_s: f64,
     /// A hold takes this long from normal speed to rest where the limits leave room, and a resume back, s, positive.
     pub hold_ramp_s: f64,
-    /// A hold takes no longer than this from normal speed to rest, wherever it comes, s; as long as the path makes it if there
+    /// A hold takes no longer than this to rest, wherever and at whatever pace it comes, s; as long as the path makes it if there
     /// is none. At least `hold_ramp_s`.
     pub stop_time_max_s: Option<f64>,
     /// The machine plans paths itself, of which a host gives the pieces.

@@ -153,6 +153,22 @@ pub fn short(value: f64) -> String {
     rounded(value, 4)
 }
 
+/// What is a number with few digits but for the rounding of binary64 stays that number.
+const BELOW: f64 = 1.0 - 1e-12;
+
+/// The next number with so many significant digits that is not less than `value`, which is not negative.
+pub fn rounded_up(value: f64, digits: i32) -> f64 {
+    if !(value > 0.0 && value.is_finite()) {
+        return value;
+    }
+    let decimals = digits - 1 - value.log10().floor() as i32;
+    let scale = 10f64.powi(decimals.abs());
+    match decimals >= 0 {
+        true => (value * scale * BELOW).ceil() / scale,
+        false => (value / scale * BELOW).ceil() * scale,
+    }
+}
+
 fn rounded(value: f64, digits: usize) -> String {
     let decimals = digits.saturating_sub(1);
     let rounded: f64 = format!("{value:.decimals$e}").parse().unwrap_or(value);

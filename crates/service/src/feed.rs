@@ -90,6 +90,12 @@ impl FeedScale {
         self.level &= !1;
     }
 
+    /// At any level.
+    #[cfg(test)]
+    pub(super) fn be_at(&mut self, level: u32) {
+        self.level = level;
+    }
+
     /// Returns true if the path stands.
     pub(super) fn is_at_rest(&self) -> bool {
         self.level == 0

@@ -99,4 +99,4 @@ pub use scene::{
 };
 pub use service::{Played, Service};
 pub use settings::{PowerTimes, Reactions, SceneIdentity, Settings, StopCategory, key, name};
-pub use stop::{Stop, each_stop};
+pub use stop::{PacedMove, PathPlace, StopJob, Stops};

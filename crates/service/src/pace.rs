@@ -94,8 +94,8 @@ impl Ramp {
         }
     }
 
-    /// A ramp that takes `ticks` where the limits leave room, and more where they do not: up to `most_ticks` from normal
-    /// speed to rest, or as long as the path makes it.
+    /// A ramp that takes `ticks` where the limits leave room, and more where they do not: up to `most_ticks` from any pace to
+    /// rest, or as long as the path makes it.
     pub const fn within(ticks: u16, most_ticks: Option<u32>) -> Self {
         let slower = match most_ticks {
             None => 0,
