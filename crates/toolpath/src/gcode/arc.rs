@@ -61,6 +61,35 @@ pub(super) enum ArcFault {
     OnePoint,
 }
 
+/// Whole turns of a part of a long arc.
+const PART_TURNS: f64 = 4.0;
+
+/// Cuts arcs of many turns, the first of which begins at `start`, into parts of four turns and a rest below eight: the longer an arc, the
+/// more motions it counts as.
+pub(super) fn in_turns(start: [f64; 2], arcs: Vec<ArcPart>) -> Vec<ArcPart> {
+    let mut parts = Vec::with_capacity(arcs.len());
+    let (mut from, mut before) = (start, 0.0);
+    for arc in arcs {
+        let whole = (PART_TURNS * TAU).copysign(arc.turn);
+        let count = ((arc.turn / whole).floor() - 1.0).max(0.0) as u32;
+        for index in 1..=count {
+            let part = f64::from(index) * whole / arc.turn;
+            parts.push(ArcPart {
+                turn: whole,
+                to: from,
+                done: before + part * (arc.done - before),
+                ..arc
+            });
+        }
+        parts.push(ArcPart {
+            turn: arc.turn - f64::from(count) * whole,
+            ..arc
+        });
+        (from, before) = (arc.to, arc.done);
+    }
+    parts
+}
+
 /// Arc about a centre, going round `whole_turns` more times.
 pub(super) fn about(
     start: [f64; 2],
