@@ -61,17 +61,20 @@ pub(super) enum ArcFault {
     OnePoint,
 }
 
-/// Whole turns of a part of a long arc.
-const PART_TURNS: f64 = 4.0;
+/// Turns from which on an arc is long.
+const LONG_TURNS: f64 = 4.0;
 
-/// Cuts arcs of many turns, the first of which begins at `start`, into parts of four turns and a rest below eight: the longer an arc, the
-/// more motions it counts as.
+/// Cuts long arcs, the first of which begins at `start`, into whole turns and a rest below two: a long arc counts as many motions.
 pub(super) fn in_turns(start: [f64; 2], arcs: Vec<ArcPart>) -> Vec<ArcPart> {
     let mut parts = Vec::with_capacity(arcs.len());
     let (mut from, mut before) = (start, 0.0);
     for arc in arcs {
-        let whole = (PART_TURNS * TAU).copysign(arc.turn);
-        let count = ((arc.turn / whole).floor() - 1.0).max(0.0) as u32;
+        let whole = TAU.copysign(arc.turn);
+        let turns = arc.turn / whole;
+        let count = match turns >= LONG_TURNS {
+            true => turns.floor() as u32 - 1,
+            false => 0,
+        };
         for index in 1..=count {
             let part = f64::from(index) * whole / arc.turn;
             parts.push(ArcPart {

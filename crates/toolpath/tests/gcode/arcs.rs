@@ -224,7 +224,7 @@ fn an_arc_of_many_turns_is_as_many_motions() {
         assert!((way - wanted).abs() < 0.05, "{line}: {way} mm");
         let parts = elements.len() as f64 - 1.0;
         assert!(
-            (turns / 8.0..turns / 4.0 + 3.0).contains(&parts),
+            (turns - 2.0..turns + 3.0).contains(&parts),
             "{line}: {parts}"
         );
         // Alpha goes evenly.
