@@ -46,7 +46,7 @@ fn opened(mut value: Value) -> Option<Value> {
 }
 
 fn seal_of(value: &Value) -> String {
-    hex(ContentHash::of(value.to_string().as_bytes()))
+    hex(ContentHash::of_bytes(value.to_string().as_bytes()))
 }
 
 /// Hash as text.
