@@ -353,7 +353,7 @@ impl ResultFolder {
             "files": names,
             "hashes": hashes.collect::<serde_json::Map<String, Value>>(),
         });
-        sealed::write(&self.folder.join(RESULT), result)
+        sealed::write(&self.folder.join(RESULT), &result)
     }
 }
 

@@ -153,7 +153,7 @@ impl Journal {
             "from": place(self.from),
             "reached": place(self.reached),
         });
-        sealed::write(&self.path, value)
+        sealed::write(&self.path, &value)
     }
 
     /// Removes the journal of a job that is complete.
