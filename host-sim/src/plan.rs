@@ -67,7 +67,7 @@ pub fn command(args: &PlanArgs) -> Result<(), CliError> {
         Some(folder) => folder.clone(),
         None => Path::new("out").join(format!("{}-plan", scene.name)),
     };
-    let mut results = ResultFolder::of(&folder, "plan")?.with_pictures(args.pictures.png);
+    let mut results = ResultFolder::for_command(&folder, "plan")?.with_pictures(args.pictures.png);
     results.claim(FILES)?;
     let effort = Effort {
         gap: args.gap,

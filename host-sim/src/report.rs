@@ -52,7 +52,7 @@ pub fn command(args: &ReportArgs) -> Result<(), CliError> {
         })
     });
     let document = document.transpose()?;
-    let mut results = ResultFolder::of(&args.out, "report")?;
+    let mut results = ResultFolder::for_command(&args.out, "report")?;
     let report = with_bar(|progress| measure(sections, progress))?;
     for file in &report.files {
         results.write(&file.name, file.content.clone())?;

@@ -2,6 +2,7 @@
 
 use crate::bench::choose_bench;
 use crate::boards::{FIRMWARE_TARGET, G474_SCENE, RP2040_SCENE};
+use crate::client::cleared;
 use crate::cores::CORES;
 use crate::image::{PROFILE, RUN_BEGAN};
 use crate::packages::{BARE_PACKAGES, DEVICE_PACKAGES, Package};
@@ -290,11 +291,11 @@ fn figures() -> Result<[Step; 4]> {
 
 /// The host programs, alone and with an emulated board.
 fn programs() -> Result<[Step; 7]> {
-    let simulator = |name: &str, arguments: &[&str], out: &str| {
+    let simulator = |name: &str, arguments: &[&str], out: &str| -> Result<Step> {
         let mut command = Command::new(Programs::built().trirrr);
         command.current_dir(root()).args(arguments).arg("--out");
-        command.arg(target_directory().join("ci").join(out));
-        Step::new(name, command)
+        command.arg(cleared(target_directory().join("ci").join(out))?);
+        Ok(Step::new(name, command))
     };
     let run = ["run", "scenes/thesis.toml", "--fast"];
     let eval = ["eval", "--scalar", "f32", "tests/reference/extreme.csv"];
@@ -305,8 +306,8 @@ fn programs() -> Result<[Step; 7]> {
         Step::chore("the page", &["page"])?,
         Step::chore("the emulated board", &board)?,
         Step::new("the host programs", Programs::builder()),
-        simulator("a scene run", &run, "thesis"),
-        simulator("a batch evaluation", &eval, "extreme.csv"),
+        simulator("a scene run", &run, "thesis")?,
+        simulator("a batch evaluation", &eval, "extreme.csv")?,
     ])
 }
 

@@ -72,7 +72,7 @@ pub(crate) fn run() -> Result<()> {
     notebooks()?;
     for (name, speed, scalar) in SCENES {
         let scene = root().join("scenes").join(format!("{name}.toml"));
-        let out = folder().join(name);
+        let out = cleared(folder().join(name))?;
         let mut simulated = Command::new(&trirrr);
         simulated
             .arg("run")
@@ -124,6 +124,18 @@ fn client(scene: &Path, device: &Device, out: &Path) -> Command {
 /// The folder of the package.
 fn package() -> PathBuf {
     root().join("clients/python")
+}
+
+/// The path of results of an earlier call, without them: an earlier version of the program may have written them, and `trirrr` replaces
+/// what it knows alone.
+pub(crate) fn cleared(path: PathBuf) -> Result<PathBuf> {
+    let removed = match path.is_dir() {
+        true => fs::remove_dir_all(&path),
+        false if path.exists() => fs::remove_file(&path),
+        false => Ok(()),
+    };
+    removed.with_context(|| path.display().to_string())?;
+    Ok(path)
 }
 
 /// The folder of what is installed and written here.

@@ -17,7 +17,7 @@ const LENGTH_MIN: f64 = 1e-9;
 pub const TOLERANCE_M: f64 = 1e-5;
 
 /// Most motions of a path in memory.
-const PIECES_MAX: usize = 20_000_000;
+const PIECES_MAX: usize = 1_000_000;
 
 /// Largest deviation of alpha from the path, rad.
 pub const TOLERANCE_RAD: f64 = 1e-4;
@@ -312,18 +312,25 @@ impl PathBuilder {
     /// The path becomes longer than fits into memory.
     pub fn repeat(&mut self, times: u32) -> Result<(), PathFault> {
         let pass = self.reader.pass() as usize;
-        let Some(parts) = self.parts.as_mut().filter(|_| times > 1) else {
+        let Some(parts) = &mut self.parts else {
             return Ok(());
         };
+        let length = parts.pieces.len().max(pass);
+        if length > PIECES_MAX {
+            return Err(too_long(length));
+        }
+        if length.saturating_mul(times as usize) > PIECES_MAX {
+            return Err(too_often(times, PIECES_MAX));
+        }
+        if times <= 1 {
+            return Ok(());
+        }
         let (pieces, dwells, tools) = (
             parts.pieces.clone(),
             parts.dwells.clone(),
             parts.tools.clone(),
         );
         let (rows, outputs) = (parts.rows.clone(), parts.outputs.clone());
-        if pieces.len().max(pass) * times as usize > PIECES_MAX {
-            return Err(too_often(times, PIECES_MAX));
-        }
         let (at, stops) = (self.reader.at, self.reader.stops);
         for offset in (1..times as usize).map(|index| index * pass) {
             (self.reader.at, self.reader.stops) = (at, stops);
@@ -374,6 +381,17 @@ impl PathBuilder {
             tolerance_m: TOLERANCE_M,
             tolerance_rad: TOLERANCE_RAD,
         })
+    }
+}
+
+/// Refusal of a job of so many motions.
+fn too_long(motions: usize) -> PathFault {
+    PathFault {
+        line: 0,
+        word: String::new(),
+        reason: format!(
+            "the job has {motions} motions, at most {PIECES_MAX} fit into memory; play it in several files, or as G-code by `trirrr run`, which reads a long file block by block"
+        ),
     }
 }
 

@@ -240,6 +240,37 @@ fn an_image_is_brought_to_the_pitch() {
 }
 
 #[test]
+fn an_image_that_is_too_large_is_refused_by_its_head() {
+    let mut file = Vec::new();
+    GrayImage::from_pixel(2, 2, Luma([0_u8]))
+        .write_to(&mut Cursor::new(&mut file), ImageFormat::Png)
+        .unwrap();
+    // Width and height in the head of a PNG. The pixels are missing, which is not looked at.
+    for side in [16, 20] {
+        file[side..side + 4].copy_from_slice(&20_000_u32.to_be_bytes());
+    }
+    let sum = crc(&file[12..29]);
+    file[29..33].copy_from_slice(&sum.to_be_bytes());
+    let refused = read_image(&file).unwrap_err();
+    assert!(
+        refused.reason.contains("20000 by 20000 pixels"),
+        "{refused:?}"
+    );
+}
+
+/// Checksum of a PNG's chunk.
+fn crc(bytes: &[u8]) -> u32 {
+    let fold = |mut sum: u32, byte: &u8| {
+        sum ^= u32::from(*byte);
+        for _ in 0..8 {
+            sum = (sum >> 1) ^ (0xEDB8_8320 & (sum & 1).wrapping_neg());
+        }
+        sum
+    };
+    !bytes.iter().fold(!0, fold)
+}
+
+#[test]
 fn colours_are_luma_and_what_is_transparent_is_white() {
     let mut file = Vec::new();
     RgbImage::from_pixel(2, 2, Rgb([0, 255, 0]))

@@ -24,7 +24,7 @@ pub fn command(args: &AssembleArgs) -> Result<(), CliError> {
         Some(folder) => folder.clone(),
         None => Path::new("out").join(format!("{}-assemble", modes.scene.name)),
     };
-    let mut results = ResultFolder::of(&folder, "assemble")?;
+    let mut results = ResultFolder::for_command(&folder, "assemble")?;
     let failed = |error: Box<dyn std::error::Error + Send + Sync>| {
         CliError::Failed(format!("a figure: {error}"))
     };

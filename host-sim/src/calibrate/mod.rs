@@ -138,7 +138,7 @@ fn results(scene: &Scene, args: &CalibrateArgs) -> Result<ResultFolder, CliError
         Some(folder) => folder.clone(),
         None => Path::new("out").join(format!("{}-calibration", scene.name)),
     };
-    let mut results = ResultFolder::of(&folder, "calibrate")?;
+    let mut results = ResultFolder::for_command(&folder, "calibrate")?;
     results.claim(["calibration.json"])?;
     if args.measurements.is_some() {
         results.claim(["residuals.csv", "residuals.svg", "vectors.svg"])?;

@@ -36,7 +36,8 @@ fn report(args: &DesignArgs) -> Result<(), CliError> {
         Some(folder) => folder.clone(),
         None => Path::new("out").join(format!("{}-design", study.scene.name)),
     };
-    let mut results = ResultFolder::of(&folder, "design")?.with_pictures(args.pictures.png);
+    let mut results =
+        ResultFolder::for_command(&folder, "design")?.with_pictures(args.pictures.png);
     let json = text::as_json(&study, args);
     let json = format!("{json:#}\n");
     let mut figures: Vec<(&'static str, String)> = Vec::new();

@@ -55,7 +55,7 @@ pub fn command(args: &IdentifyArgs) -> Result<(), CliError> {
         Some(folder) => folder.clone(),
         None => Path::new("out").join(format!("{}-identification", scene.name)),
     };
-    let mut results = ResultFolder::of(&folder, "identify")?;
+    let mut results = ResultFolder::for_command(&folder, "identify")?;
     let mut written = IdentifyFiles {
         files: Vec::new(),
         refusal: None,

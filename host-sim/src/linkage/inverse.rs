@@ -84,7 +84,7 @@ pub(super) fn command(
         Some(folder) => folder.clone(),
         None => Path::new("out").join(format!("{}-inverse", linkage.name)),
     };
-    let mut results = ResultFolder::of(&folder, "linkage --inverse")?;
+    let mut results = ResultFolder::for_command(&folder, "linkage --inverse")?;
     for (name, drawn) in inverse_files(linkage, &arm, &branches) {
         results.figure(name, drawn)?;
     }

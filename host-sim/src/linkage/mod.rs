@@ -66,7 +66,8 @@ pub fn command(args: &LinkageArgs) -> Result<(), CliError> {
         None => Path::new("out").join(&linkage.name),
     };
     let track = track(&linkage);
-    let mut results = ResultFolder::of(&folder, "linkage")?.with_pictures(args.pictures.png);
+    let mut results =
+        ResultFolder::for_command(&folder, "linkage")?.with_pictures(args.pictures.png);
     if !track.positions.is_empty() {
         for (name, drawn) in files(&linkage, &track) {
             results.figure(name, drawn)?;

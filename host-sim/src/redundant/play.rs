@@ -100,7 +100,7 @@ fn play(
         .pipeline()
         .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
     let player = RedundantPlayer::new(scene);
-    let mut results = ResultFolder::of(folder, "run")?;
+    let mut results = ResultFolder::for_command(folder, "run")?;
     claim_plant(scene, &mut results)?;
     let lagrange = args.lagrange.then(|| LagrangeColumns::of_redundant(scene));
     let mut recorder = RedundantRecorder::create(&mut results, scene, args.every, lagrange)?;

@@ -20,7 +20,7 @@ pub(crate) fn unwritable(path: &Path, error: &io::Error) -> CliError {
 pub(super) struct ContentHash(pub(super) u64);
 
 impl ContentHash {
-    pub(super) fn of(bytes: &[u8]) -> Self {
+    pub(super) fn of_bytes(bytes: &[u8]) -> Self {
         Self(0xcbf2_9ce4_8422_2325).then(bytes)
     }
 
@@ -31,7 +31,7 @@ impl ContentHash {
 
     pub(super) fn of_file(path: &Path) -> io::Result<Self> {
         let mut file = BufReader::new(File::open(path)?);
-        let (mut hash, mut block) = (Self::of(b""), vec![0; 1 << 16]);
+        let (mut hash, mut block) = (Self::of_bytes(b""), vec![0; 1 << 16]);
         loop {
             match file.read(&mut block)? {
                 0 => return Ok(hash),
@@ -98,14 +98,14 @@ pub(super) fn put(path: &Path, content: &[u8]) -> Result<(), CliError> {
     })
 }
 
-/// Name beside `path` that no other program takes.
+/// Name beside `path` that is free, and that no other program takes.
 pub(super) fn free_name(path: &Path, ending: &str) -> PathBuf {
     let name = |number: u32| {
         let mut name = path.as_os_str().to_owned();
-        name.push(format!(".{}-{number}.{ending}", std::process::id()));
+        name.push(format!(".{ending}-{}-{number}", std::process::id()));
         PathBuf::from(name)
     };
-    (0..)
+    (1..)
         .map(name)
         .find(|path| !path.exists())
         .unwrap_or_else(|| name(0))
@@ -114,6 +114,14 @@ pub(super) fn free_name(path: &Path, ending: &str) -> PathBuf {
 /// Gives a file another name.
 pub(super) fn rename(from: &Path, to: &Path) -> Result<(), CliError> {
     fs::rename(from, to).map_err(|error| unwritable(to, &error))
+}
+
+/// Gives a file a name beside its own that is free, if it is there.
+pub(super) fn put_aside(path: &Path) -> Result<(), CliError> {
+    match path.exists() {
+        true => rename(path, &free_name(path, "unfinished")),
+        false => Ok(()),
+    }
 }
 
 /// Removes a file; one that is missing is removed already.

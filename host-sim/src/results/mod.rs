@@ -63,7 +63,7 @@ impl ResultFolder {
     ///
     /// # Errors
     /// Refused: the folder holds the results of another command or of an older version. Failed: it is no folder.
-    pub fn of(folder: &Path, command: &'static str) -> Result<Self, CliError> {
+    pub fn for_command(folder: &Path, command: &'static str) -> Result<Self, CliError> {
         let path = folder.join(RESULT);
         let refused = |path: &Path, reason: &str| {
             let name = path.display();
@@ -216,7 +216,7 @@ impl ResultFolder {
 
     fn write_now(&mut self, name: &str, content: &[u8]) -> Result<(), CliError> {
         write_new(&self.folder.join(name), content)?;
-        let hash = ContentHash::of(content);
+        let hash = ContentHash::of_bytes(content);
         self.written.push((name.into(), Some(hash)));
         self.say("partial")
     }
@@ -253,14 +253,16 @@ impl ResultFolder {
         self.say("partial")?;
         let mut earlier = std::mem::take(&mut self.earlier);
         let own = earlier.clone();
-        for (name, _) in own
+        for (name, hash) in own
             .iter()
             .filter(|(name, _)| !self.kept.contains(&name.as_str()))
         {
             let path = self.folder.join(name);
             // The user's from now on, where it was changed.
-            if obstacle(&path, self.command, &own).is_none() {
-                disk::remove(&path)?;
+            match obstacle(&path, self.command, &own) {
+                None if hash.is_none() => disk::put_aside(&path)?,
+                None => disk::remove(&path)?,
+                Some(_) => {}
             }
             earlier.remove(name);
         }
@@ -351,7 +353,7 @@ impl ResultFolder {
             "files": names,
             "hashes": hashes.collect::<serde_json::Map<String, Value>>(),
         });
-        sealed::write(&self.folder.join(RESULT), result)
+        sealed::write(&self.folder.join(RESULT), &result)
     }
 }
 

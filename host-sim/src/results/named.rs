@@ -50,7 +50,7 @@ impl NamedRecord {
         if let (Some(value), Some(name), Some(hash)) = (&mut self.value, name, hash) {
             value[command][name] = hex(hash).into();
             // A folder in which nothing can be made: the file itself stands.
-            let _ = sealed::write(&self.path, value.clone());
+            let _ = sealed::write(&self.path, value);
         }
     }
 }

@@ -8,7 +8,8 @@ use std::io::ErrorKind;
 use std::path::Path;
 use trirrr_scene::read::files::was_read;
 
-/// Files that earlier runs of one command wrote, by name. No hash: the command did not come to the end of the file.
+/// Files that earlier runs of one command wrote, by name. No hash: the command did not come to the end of the file, and who takes its name
+/// puts it [aside](super::disk::put_aside).
 pub(super) type OwnFiles = BTreeMap<String, Option<ContentHash>>;
 
 /// Refusal of a file that is there, for a command that replaces nothing.
@@ -33,11 +34,11 @@ pub(super) fn obstacle(path: &Path, command: &str, own: &OwnFiles) -> Option<Str
     let name = path.file_name().and_then(|name| name.to_str());
     match name.and_then(|name| own.get(name)) {
         None => Some(format!("is there already, and not from `trirrr {command}`")),
-        Some(None) => Some(format!(
-            "is of a `trirrr {command}` that did not come to its end"
-        )),
-        Some(Some(hash)) => {
-            let is_same = file.is_file() && ContentHash::of_file(path).is_ok_and(|is| is == *hash);
+        // Of a program that was killed. It is put aside, not removed: nobody knows whether it was changed.
+        Some(None) if file.is_file() => None,
+        Some(hash) => {
+            let found = ContentHash::of_file(path).ok();
+            let is_same = file.is_file() && found.is_some() && found == *hash;
             (!is_same).then(|| format!("was changed since `trirrr {command}` wrote it"))
         }
     }

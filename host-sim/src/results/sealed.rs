@@ -35,18 +35,27 @@ pub(crate) fn read(path: &Path) -> Result<Sealed, CliError> {
             )));
         }
     };
-    let value = serde_json::from_slice(&bytes).ok().and_then(opened);
-    Ok(value.map_or(Sealed::Damaged, Sealed::Whole))
+    Ok(opened(&bytes).map_or(Sealed::Damaged, Sealed::Whole))
 }
 
-/// The value without its seal, if that is right.
-fn opened(mut value: Value) -> Option<Value> {
-    let found = value.as_object_mut()?.remove(SEAL)?;
-    (found.as_str() == Some(&seal_of(&value))).then_some(value)
+/// The value without its seal, if the file has every byte that was written.
+fn opened(bytes: &[u8]) -> Option<Value> {
+    let mut value: Value = serde_json::from_slice(bytes).ok()?;
+    value.as_object_mut()?.remove(SEAL)?;
+    (sealed_text(&value).as_bytes() == bytes).then_some(value)
+}
+
+/// Text of a sealed file.
+fn sealed_text(value: &Value) -> String {
+    let mut sealed = value.clone();
+    if let Some(object) = sealed.as_object_mut() {
+        object.insert(SEAL.into(), seal_of(value).into());
+    }
+    format!("{sealed:#}\n")
 }
 
 fn seal_of(value: &Value) -> String {
-    hex(ContentHash::of(value.to_string().as_bytes()))
+    hex(ContentHash::of_bytes(value.to_string().as_bytes()))
 }
 
 /// Hash as text.
@@ -64,12 +73,8 @@ pub(super) fn hash_of(value: &Value) -> Option<ContentHash> {
 ///
 /// # Errors
 /// Failed: the file cannot be written; the old one is there then.
-pub(crate) fn write(path: &Path, mut value: Value) -> Result<(), CliError> {
-    let seal = seal_of(&value);
-    if let Some(object) = value.as_object_mut() {
-        object.insert(SEAL.into(), seal.into());
-    }
-    disk::put(path, format!("{value:#}\n").as_bytes())
+pub(crate) fn write(path: &Path, value: &Value) -> Result<(), CliError> {
+    disk::put(path, sealed_text(value).as_bytes())
 }
 
 #[cfg(test)]
@@ -83,14 +88,15 @@ mod tests {
         let path = folder.path().join("job.json");
         assert_eq!(read(&path).unwrap(), Sealed::Missing);
         let value = json!({"scene": "a", "places": [1, {"at": 2}], "b": null});
-        write(&path, value.clone()).unwrap();
+        write(&path, &value).unwrap();
         assert_eq!(read(&path).unwrap(), Sealed::Whole(value));
         let whole = disk::own_text(&path).unwrap();
         let damaged = |bytes: &[u8]| {
             disk::put(&path, bytes).unwrap();
             read(&path).unwrap() == Sealed::Damaged
         };
-        assert!((0..whole.len() - 1).all(|length| damaged(&whole[..length])));
+        assert!(damaged(&[&whole[..], b" "].concat()));
+        assert!((0..whole.len()).all(|length| damaged(&whole[..length])));
         for (index, byte) in whole.iter().enumerate() {
             if byte.is_ascii_alphanumeric() {
                 let mut other = whole.clone();

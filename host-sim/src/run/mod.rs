@@ -177,7 +177,7 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
 /// Refuses folders that cannot take the results, before the first job is played.
 fn refuse_folders(jobs: &[QueuedJob]) -> Result<(), CliError> {
     for QueuedJob { job, folder, .. } in jobs {
-        ResultFolder::of(folder, "run")?.claim(Recorder::names(job.scene.torque))?;
+        ResultFolder::for_command(folder, "run")?.claim(Recorder::names(job.scene.torque))?;
     }
     Ok(())
 }
@@ -201,7 +201,7 @@ fn run_job(
         false => None,
     };
     let scalar = args.scalar.unwrap_or(scene.number);
-    let mut results = ResultFolder::of(folder, "run")?.with_pictures(args.pictures.png);
+    let mut results = ResultFolder::for_command(folder, "run")?.with_pictures(args.pictures.png);
     if analysis.is_some() {
         results.claim(tolerances::names(scene.torque))?;
     }
@@ -266,7 +266,7 @@ pub fn simulate(
     folder: &Path,
     stop: &AtomicBool,
 ) -> Result<RunReport, CliError> {
-    let results = ResultFolder::of(folder, "run")?;
+    let results = ResultFolder::for_command(folder, "run")?;
     simulate_into(scene, scalar, paced, rows, results, stop).map(|(report, _)| report)
 }
 

@@ -166,7 +166,7 @@ impl Journal {
             "from": place(from),
             "reached": place(reached),
         });
-        sealed::write(&self.path, value).map_err(|error| {
+        sealed::write(&self.path, &value).map_err(|error| {
             CliError::Failed(format!(
                 "{error}; the machine comes to rest on its path and waits: make room, then --resume goes on"
             ))

@@ -332,7 +332,7 @@ impl Stream<'_> {
             true => next_folder(self.folder),
             false => self.folder.into(),
         };
-        let mut results = ResultFolder::of(&folder, "stream")?;
+        let mut results = ResultFolder::for_command(&folder, "stream")?;
         let drives = DriveRecorder::create(&mut results, scene, units, every)?;
         // A hold shifts the moves.
         let marks = JobMarks::of(scene).without_moves();

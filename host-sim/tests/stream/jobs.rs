@@ -41,7 +41,7 @@ fn one_job_after_the_other_is_streamed() {
         assert!(output.status.success(), "{time}: {}", text(&output.stderr));
         let summary = text(&output.stdout);
         assert!(summary.contains("0 missing"), "{time}: {summary}");
-        assert!(folder.path().join("out/job/ticks.csv").is_file());
+        assert!(folder.path().join("out/job-stream/ticks.csv").is_file());
     }
 }
 

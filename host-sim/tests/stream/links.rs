@@ -87,6 +87,8 @@ fn a_machine_without_a_host_waits() {
         message.contains("the machine is not free: holding"),
         "{message}"
     );
+    // Telemetry up to the kill is not lost by that stream.
+    assert!(folder.path().join("out/ticks.csv").is_file());
 }
 
 #[test]

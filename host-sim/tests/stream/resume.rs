@@ -162,7 +162,8 @@ fn a_stream_is_refused_in_the_folder_of_a_run() {
     let folder = chained();
     let table = run(&folder);
     std::fs::rename(folder.path().join("run"), folder.path().join("out")).unwrap();
-    let output = stream(&folder, "tcp:127.0.0.1:9", &[]);
+    let device = Device::start(&folder, &[]);
+    let output = stream(&folder, &device.address, &[]);
     let message = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{message}");
     assert!(message.contains("the results of `trirrr run`"), "{message}");

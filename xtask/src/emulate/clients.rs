@@ -2,7 +2,7 @@
 
 use super::Built;
 use super::board::Board;
-use crate::client::{self, planned_moves, rounding};
+use crate::client::{self, cleared, planned_moves, rounding};
 use crate::programs::Programs;
 use crate::qemu;
 use crate::repository::{root, target_directory};
@@ -146,7 +146,7 @@ impl Clients {
 
     /// The table that `trirrr run` writes.
     pub(super) fn run(&self, built: &Built) -> Result<PathBuf> {
-        let out = folder(built, "run");
+        let out = cleared(folder(built, "run"))?;
         let mut command = Command::new(&self.0.trirrr);
         command.arg("run").arg(&built.scene.path);
         command.args(["--fast", "--scalar", built.scalar, "--out"]);
@@ -175,11 +175,13 @@ impl Clients {
                 .args(["-m", "trirrr", "--quiet"])
                 .current_dir(root().join("clients/python")),
         };
-        let out = folder(built, name);
+        let out = cleared(folder(built, name))?;
         command.arg(&built.scene.path);
         if client == JobClient::Python {
             let scene = &built.scene.path;
-            if let Some(moves) = planned_moves(&self.0.trirrr, scene, &folder(built, "plan"))? {
+            if let Some(moves) =
+                planned_moves(&self.0.trirrr, scene, &cleared(folder(built, "plan"))?)?
+            {
                 command.arg("--moves").arg(moves);
             }
         }

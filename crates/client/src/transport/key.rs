@@ -28,6 +28,9 @@ pub enum KeyError {
     /// The file holds something else.
     #[error("{}: a key is 64 hexadecimal digits on one line, as `trirrr key` writes them; this file holds something else", .0.display())]
     Malformed(PathBuf),
+    /// The key is one byte over and over: everybody knows it.
+    #[error("{}: a key of one byte over and over is no secret; `trirrr key FILE` draws a new one, and the far end needs a copy of it", .0.display())]
+    Known(PathBuf),
     /// The system refuses.
     #[error("{}: {error}", .file.display())]
     Other {
@@ -59,7 +62,11 @@ impl SharedKey {
             io::ErrorKind::InvalidData => KeyError::Malformed(file.into()),
             _ => other(file, error),
         })?;
-        Self::parse(&text).ok_or_else(|| KeyError::Malformed(file.into()))
+        let key = Self::parse(&text).ok_or_else(|| KeyError::Malformed(file.into()))?;
+        match key.is_known() {
+            true => Err(KeyError::Known(file.into())),
+            false => Ok(key),
+        }
     }
 
     /// Writes the key into a new `file`, which on Unix only its owner may read.
@@ -108,6 +115,11 @@ impl SharedKey {
         Some(Self(bytes))
     }
 
+    /// Returns true for a key that nobody has drawn, such as that of a file of zeros.
+    fn is_known(&self) -> bool {
+        self.0.iter().all(|byte| *byte == self.0[0])
+    }
+
     pub(super) fn bytes(&self) -> &[u8; KEY_BYTES] {
         &self.0
     }
@@ -154,6 +166,22 @@ mod tests {
         ] {
             assert_eq!(SharedKey::parse(wrong), None, "{wrong}");
         }
+    }
+
+    #[test]
+    fn a_key_that_everybody_knows_is_refused() {
+        let file = std::env::temp_dir().join(format!("trirrr-key-{}", entropy()));
+        for (digits, is_known) in [("00", true), ("ff", true), ("5A", true), ("5a5b", false)] {
+            fs::write(&file, digits.repeat(64 / digits.len())).unwrap();
+            let read = SharedKey::read(&file);
+            assert_eq!(
+                matches!(read, Err(KeyError::Known(_))),
+                is_known,
+                "{digits}"
+            );
+            assert_eq!(read.is_ok(), !is_known, "{digits}");
+        }
+        fs::remove_file(&file).unwrap();
     }
 
     #[test]

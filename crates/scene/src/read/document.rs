@@ -1,11 +1,14 @@
 //! The text of a scene and the list of what was found wrong with it so far.
 
 use crate::error::{Problem, SceneError};
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::ops::Range;
 
 /// Values quoted in a message are cut to this many characters.
 const LONGEST_QUOTE: usize = 60;
+
+/// Problems that are told one by one. A file of another kind has as many as lines.
+const MOST_PROBLEMS: usize = 100;
 
 /// A place in the file that a message can point at: key, line, and value if there is one.
 #[derive(Clone, Debug)]
@@ -44,6 +47,8 @@ pub struct Document<'t> {
     /// Keys that stand before the first table, for whoever writes one after it.
     pub(super) top_keys: &'static [&'static str],
     problems: RefCell<Vec<Problem>>,
+    /// Problems beyond [`MOST_PROBLEMS`].
+    more: Cell<usize>,
 }
 
 impl<'t> Document<'t> {
@@ -57,6 +62,7 @@ impl<'t> Document<'t> {
             line_ends: ends.collect(),
             top_keys,
             problems: RefCell::default(),
+            more: Cell::default(),
         }
     }
 
@@ -114,6 +120,9 @@ impl<'t> Document<'t> {
 
     /// Adds a problem at `place`.
     pub fn refuse(&self, place: &Place, reason: impl Into<String>) {
+        if self.counts_on() {
+            return;
+        }
         let parts = self.parts.iter().rev();
         let part = parts
             .map(|part| (part, self.line(part.begin)))
@@ -133,6 +142,13 @@ impl<'t> Document<'t> {
         });
     }
 
+    /// Counts one problem more, and returns true, if there are so many that no other is told.
+    pub(super) fn counts_on(&self) -> bool {
+        let is_full = self.problems.borrow().len() >= MOST_PROBLEMS;
+        self.more.set(self.more.get() + usize::from(is_full));
+        is_full
+    }
+
     /// Returns true if nothing was found wrong so far.
     pub fn is_clean(&self) -> bool {
         self.problems.borrow().is_empty()
@@ -147,6 +163,16 @@ impl<'t> Document<'t> {
             let part = self.parts.iter().position(names);
             (part.map(|part| part + 1), problem.line)
         });
+        if self.more.get() > 0 {
+            problems.push(Problem {
+                source: None,
+                line: 0,
+                column: 0,
+                key: String::new(),
+                value: None,
+                reason: format!("and {} more like these", self.more.get()),
+            });
+        }
         SceneError::Refused {
             file: file.to_owned(),
             problems,
@@ -157,6 +183,21 @@ impl<'t> Document<'t> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn problems_beyond_a_hundred_are_counted() {
+        let document = Document::new("", &[]);
+        let place = Place {
+            line: 1,
+            column: 1,
+            key: "a".into(),
+            value: None,
+        };
+        (0..250).for_each(|_| document.refuse(&place, "unknown key"));
+        let error = document.into_error("a.toml").to_string();
+        assert_eq!(error.lines().count(), 101);
+        assert!(error.ends_with("and 150 more like these"), "{error}");
+    }
 
     #[test]
     fn lines_are_counted_from_one() {

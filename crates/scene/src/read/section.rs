@@ -247,7 +247,7 @@ impl Drop for Section<'_, '_> {
         let asked = self.asked.borrow();
         for (key, value) in self.table {
             let name: &str = key.get_ref();
-            if asked.contains(&name) {
+            if asked.contains(&name) || self.document.counts_on() {
                 continue;
             }
             let place = Place {

@@ -61,6 +61,38 @@ pub(super) enum ArcFault {
     OnePoint,
 }
 
+/// Turns from which on an arc is long.
+const LONG_TURNS: f64 = 4.0;
+
+/// Cuts long arcs, the first of which begins at `start`, into whole turns and a rest below two: a long arc counts as many motions.
+pub(super) fn in_turns(start: [f64; 2], arcs: Vec<ArcPart>) -> Vec<ArcPart> {
+    let mut parts = Vec::with_capacity(arcs.len());
+    let (mut from, mut before) = (start, 0.0);
+    for arc in arcs {
+        let whole = TAU.copysign(arc.turn);
+        let turns = arc.turn / whole;
+        let count = match turns >= LONG_TURNS {
+            true => turns.floor() as u32 - 1,
+            false => 0,
+        };
+        for index in 1..=count {
+            let part = f64::from(index) * whole / arc.turn;
+            parts.push(ArcPart {
+                turn: whole,
+                to: from,
+                done: before + part * (arc.done - before),
+                ..arc
+            });
+        }
+        parts.push(ArcPart {
+            turn: arc.turn - f64::from(count) * whole,
+            ..arc
+        });
+        (from, before) = (arc.to, arc.done);
+    }
+    parts
+}
+
 /// Arc about a centre, going round `whole_turns` more times.
 pub(super) fn about(
     start: [f64; 2],

@@ -5,6 +5,9 @@ use super::motion::ToolUse;
 use super::run::LineRun;
 use crate::{PathFault, ToolCurve, ToolMotion, ToolPlace};
 
+/// Most turns of an arc: a line of a file has bounded memory.
+const TURNS_MAX: f64 = 1000.0;
+
 /// Arc words of a block with the place in the program that they refer to.
 struct ArcWords<'t> {
     goal: ToolPlace,
@@ -17,6 +20,12 @@ impl<'t> LineRun<'_, 't> {
     /// Arc to the goal, in one motion or a few.
     pub(super) fn arc(&mut self, goal: ToolPlace, direction: Direction) -> Result<(), PathFault> {
         let whole_turns = match self.block.value(b'P') {
+            Some(word) if word.value > TURNS_MAX => {
+                let reason = format!(
+                    "an arc has at most {TURNS_MAX} turns: write several of them, or play the job with --repeat"
+                );
+                return Err(self.block.refuse(word.text, &reason));
+            }
             Some(word) if word.value >= 1.0 && word.value.fract() == 0.0 => word.value - 1.0,
             Some(word) => {
                 return Err(self
@@ -32,7 +41,7 @@ impl<'t> LineRun<'_, 't> {
             radius: self.block.value(b'R'),
         };
         let start = self.state.place;
-        let parts = self.arc_parts(start, &words)?;
+        let parts = arc::in_turns(start.position_m, self.arc_parts(start, &words)?);
         let feed = self.feed_of(arc::way(&parts))?;
         let last = parts.len().saturating_sub(1);
         for (

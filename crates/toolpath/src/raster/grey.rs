@@ -9,6 +9,9 @@ use std::io::Cursor;
 /// Most pixels of a side of a file.
 const SIDE_MAX: u32 = 30_000;
 
+/// Most pixels of a file: those of the largest cameras.
+const FILE_PIXELS_MAX: u64 = 100_000_000;
+
 /// Most pixels on the machine.
 const PIXELS_MAX: f64 = 1e8;
 
@@ -30,12 +33,23 @@ pub struct GreyImage {
 /// transparent shows white.
 ///
 /// # Errors
-/// No such file, a damaged one, or one with more than 30,000 pixels a side.
+/// A damaged file, or one with more than 30,000 pixels a side or 1e8 in all. The latter is known before its pixels are read.
 pub fn read_image(bytes: &[u8]) -> Result<GreyImage, PathFault> {
     let unread = |error: &dyn std::fmt::Display| fault(format!("no image: {error}"));
-    let mut reader = ImageReader::new(Cursor::new(bytes))
-        .with_guessed_format()
-        .map_err(|error| unread(&error))?;
+    let opened = || {
+        ImageReader::new(Cursor::new(bytes))
+            .with_guessed_format()
+            .map_err(|error| unread(&error))
+    };
+    // Of a file without a size the decoder says why.
+    if let Ok((columns, rows)) = opened()?.into_dimensions()
+        && u64::from(columns) * u64::from(rows) > FILE_PIXELS_MAX
+    {
+        return Err(fault(format!(
+            "the image has {columns} by {rows} pixels, at most {FILE_PIXELS_MAX} in all are read; make it smaller"
+        )));
+    }
+    let mut reader = opened()?;
     let mut limits = Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(SIDE_MAX), Some(SIDE_MAX));
     reader.limits(limits);

@@ -4,7 +4,7 @@ use super::Raster;
 use crate::{Act, Element, PathFault, ToolCurve, ToolMotion, ToolPlace, ToolWork};
 
 /// Most runs of an image.
-const RUNS_MAX: usize = 20_000_000;
+const RUNS_MAX: usize = 1_000_000;
 
 /// Longest gap, m, that is crossed at the feed: a longer one is crossed as fast as the machine may.
 const GAP_M: f64 = 5e-3;
@@ -55,7 +55,7 @@ impl Raster {
     /// out, and what has no tone at the ends of a row.
     ///
     /// # Errors
-    /// The image has more than 20 million runs.
+    /// The image has more than a million runs.
     pub fn path(&self, setup: &RasterSetup) -> Result<RasterPath, PathFault> {
         let mut walk = RowWalk {
             setup,

@@ -130,7 +130,7 @@ fn p_adds_whole_turns() {
     is("G0 X10\nG3 X0 Y10 I-10 P1 F60", [0.0, 0.0], 90.0);
     is("G0 X10\nG3 X0 Y10 I-10 P2 F60", [0.0, 0.0], 450.0);
     is("G0 X10\nG2 X0 Y10 R10 P2 F60", [10.0, 10.0], -450.0);
-    for p in ["P0", "P1.5", "P-1"] {
+    for p in ["P0", "P1.5", "P-1", "P1001", "P1000000"] {
         assert_eq!(refused(&format!("G2 I10 {p} F60")).word, p);
     }
     assert_eq!(refused("G2 I10 G4 P1 F60").word, "P1");
@@ -207,6 +207,35 @@ fn whole_turns_before_an_arc_with_two_radii_stay_on_the_circle() {
         90.0 * 2.0 / 2.75,
     );
     near(motion(&elements[2]).to.alpha_rad.to_degrees(), 90.0);
+}
+
+#[test]
+fn an_arc_of_many_turns_is_as_many_motions() {
+    for (line, turns) in [
+        ("G2 X10 I-10 P1000 A90 F60", 1000.0),
+        ("G3 X0 Y10 I-10 P500 A90 F60", 499.25),
+        ("G3 X0 Y10 R10 P9 A90 F60", 8.25),
+        // With ends at two radii.
+        ("G3 X0 Y9.995 I-10 P100 A90 F60", 99.25),
+    ] {
+        let (_, elements) = run(&format!("G0 X10 A0\n{line}"));
+        let way = consistent(place(10.0, 0.0, 0.0), &elements[1..]);
+        let wanted = 20.0 * std::f64::consts::PI * turns;
+        assert!((way - wanted).abs() < 0.05, "{line}: {way} mm");
+        let parts = elements.len() as f64 - 1.0;
+        assert!(
+            (turns - 2.0..turns + 3.0).contains(&parts),
+            "{line}: {parts}"
+        );
+        // Alpha goes evenly.
+        let mut before = 0.0;
+        for element in &elements[1..] {
+            let alpha = motion(element).to.alpha_rad.to_degrees();
+            let even = 90.0 * arc(motion(element)).1.abs() / 360.0 / turns;
+            assert!((alpha - before - even).abs() < 1e-6, "{line}: {alpha}");
+            before = alpha;
+        }
+    }
 }
 
 #[test]

@@ -48,7 +48,7 @@ const FILES: [&str; 6] = [
 /// # Errors
 /// Refused: as [`ResultFolder`] refuses it.
 pub(super) fn results(folder: &Path) -> Result<ResultFolder, CliError> {
-    let mut results = ResultFolder::of(folder, "design --vary")?;
+    let mut results = ResultFolder::for_command(folder, "design --vary")?;
     results.claim(FILES)?;
     Ok(results)
 }
