@@ -23,8 +23,11 @@ const CONTROLLER: Controller = Controller {
     errors: FLAGS & !END,
 };
 
-/// Cache of data. It would hide a second look at a lost double word from the check.
+/// Caches of instructions and of data: on, and reset.
+const INSTRUCTION_CACHE: u32 = 1 << 9;
 const DATA_CACHE: u32 = 1 << 10;
+const INSTRUCTIONS_RESET: u32 = 1 << 11;
+const DATA_RESET: u32 = 1 << 12;
 
 /// End of an operation, and errors of operation, programming, protection, alignment, size and sequence.
 const FLAGS: u32 = 0b11_1111_1011;
@@ -68,6 +71,17 @@ pub fn is_expected() -> bool {
     }
 }
 
+/// Runs an operation of the flash with the cache of data off, and empties that cache behind it: it may take wrong content where the processor reads one
+/// bank while the other is written (errata sheet ES0430, 2.2.2).
+fn uncached<T>(operation: impl FnOnce() -> T) -> T {
+    let access = read(ACR);
+    write(ACR, access & !DATA_CACHE);
+    let result = operation();
+    write(ACR, access & !DATA_CACHE | DATA_RESET);
+    write(ACR, access);
+    result
+}
+
 /// Flash of the chip, of two banks.
 #[derive(Debug)]
 pub struct ChipFlash(());
@@ -88,6 +102,7 @@ impl Flash for ChipFlash {
 
     fn unit(&self, address: u32) -> Option<u64> {
         let access = read(ACR);
+        // The cache would hide a second look at a lost double word from the check.
         write(ACR, access & !DATA_CACHE);
         LOOK.store(UNDER_WAY, Ordering::Relaxed);
         let (low, high) = (read(address), read(address + 4));
@@ -109,15 +124,23 @@ impl Flash for ChipFlash {
         }
         let bank = if sector < PAGES { 0 } else { SECOND_BANK };
         let control = PAGE_ERASE | u32::from(sector % PAGES) << PAGE | bank;
-        CONTROLLER.erase(control, sector.into())
+        let result = uncached(|| CONTROLLER.erase(control, sector.into()));
+        // Its lines may be of the page.
+        let access = read(ACR);
+        write(ACR, access & !INSTRUCTION_CACHE);
+        write(ACR, access & !INSTRUCTION_CACHE | INSTRUCTIONS_RESET);
+        write(ACR, access);
+        result
     }
 
     fn program(&mut self, address: u32, unit: u64) -> Result<(), FlashError> {
-        CONTROLLER.begin(PROGRAM);
-        write(address, unit as u32);
-        // In two accesses, the first one before the second (RM0440, 3.3.7).
-        cortex_m::asm::isb();
-        write(address + 4, (unit >> 32) as u32);
-        CONTROLLER.end(address)
+        uncached(|| {
+            CONTROLLER.begin(PROGRAM);
+            write(address, unit as u32);
+            // In two accesses, the first one before the second (RM0440, 3.3.7).
+            cortex_m::asm::isb();
+            write(address + 4, (unit >> 32) as u32);
+            CONTROLLER.end(address)
+        })
     }
 }

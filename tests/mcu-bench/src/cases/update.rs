@@ -128,10 +128,69 @@ pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
     rows.extend(is_for_another_board(subject, &other)?);
     rows.push(is_for_another_chip(subject, &other)?);
     rows.extend(loses_power(subject, &other, operations)?);
-    if subject.kind == Kind::Stm32g474 {
-        rows.push(has_hole(subject, &other)?);
+    rows.extend(is_mended(subject, &other)?);
+    match subject.kind {
+        Kind::Stm32f405 => rows.extend(has_low_supply(subject, &other)?),
+        Kind::Stm32g474 => rows.push(has_hole(subject, &other)?),
     }
     Ok(rows)
+}
+
+/// A confirmed program loses content: the boot loader puts its copy in its place.
+fn is_mended(subject: &Subject, other: &[u8]) -> Result<Vec<Row>> {
+    let mut board = subject.switch_on()?;
+    board.run(100 * MS)?;
+    let mut host = Updater::new(image(subject, other)?);
+    let ended = host.run_to_end(&mut board)?;
+    ensure!(ended.is_ok(), "{}", described(ended));
+    let program = subject.kind.layout().program;
+    board.damage(program.start + 0x1234)?;
+    board.reset(ResetCause::Pin)?;
+    let mut again = Updater::new(image(subject, other)?);
+    again.run(&mut board, |host| host.client.progress().0 > 0)?;
+    let is_whole = board.flash(program.start, other.len()) == other;
+    Ok(vec![
+        fact(
+            CASE,
+            "program damaged in the flash: scene after a reset",
+            again.scene(),
+            "other",
+        ),
+        fact(
+            CASE,
+            "program damaged in the flash: whole afterwards",
+            is_whole.to_string(),
+            "true",
+        ),
+    ])
+}
+
+/// The supply is too low for the flash as the boot loader starts: it writes nothing until the supply is there.
+fn has_low_supply(subject: &Subject, other: &[u8]) -> Result<Vec<Row>> {
+    let mut board = subject.switch_on()?;
+    board.run(100 * MS)?;
+    let mut host = Updater::new(image(subject, other)?);
+    host.run(&mut board, |host| host.client.is_restarting())?;
+    let before = board.chip().flash.operations();
+    board.chip().set_supply(2600);
+    board.run(board.now() + 500 * MS)?;
+    let meanwhile = board.chip().flash.operations() - before;
+    board.chip().set_supply(3300);
+    let ended = host.run_to_end(&mut board)?;
+    Ok(vec![
+        fact(
+            CASE,
+            "supply of 2.6 V at the start: operations of the flash",
+            meanwhile.to_string(),
+            "0",
+        ),
+        fact(
+            CASE,
+            "supply of 2.6 V at the start, then there: result",
+            described(ended),
+            "Ok(())",
+        ),
+    ])
 }
 
 /// Returns the operations of the flash, too, that the boot loader takes.

@@ -9,8 +9,9 @@ pub(crate) struct Watchdog {
     unlocked: bool,
     prescaler: u32,
     reload: u32,
-    /// Time of the last reload of one that runs.
+    /// Time of the last reload of one that runs, and its value: one that is written later counts from the next reload on.
     fed: Option<Time>,
+    counts: u32,
 }
 
 impl Watchdog {
@@ -21,6 +22,7 @@ impl Watchdog {
             prescaler: 0,
             reload: 0xFFF,
             fed: None,
+            counts: 0xFFF,
         }
     }
 
@@ -30,14 +32,18 @@ impl Watchdog {
 
     /// Returns the time from a reload until the watchdog bites.
     pub(crate) fn timeout(&self) -> Time {
+        self.time(self.reload)
+    }
+
+    fn time(&self, counts: u32) -> Time {
         // 7 divides by as much as 6.
         let divider = 4 << self.prescaler.min(6);
-        period(self.oscillator_hz) * divider * (Time::from(self.reload) + 1)
+        period(self.oscillator_hz) * divider * (Time::from(counts) + 1)
     }
 
     /// Returns the time at which the watchdog bites unless it is fed.
     pub(crate) fn bite(&self) -> Option<Time> {
-        self.fed.map(|fed| fed + self.timeout())
+        self.fed.map(|fed| fed + self.time(self.counts))
     }
 
     pub(crate) fn read(&self, offset: u32) -> Option<u32> {
@@ -52,8 +58,13 @@ impl Watchdog {
 
     pub(crate) fn write(&mut self, offset: u32, value: u32, now: Time) -> bool {
         match (offset, value) {
-            (0x00, 0xCCCC) => self.fed = self.fed.or(Some(now)),
-            (0x00, 0xAAAA) => self.fed = self.fed.map(|_| now),
+            (0x00, 0xCCCC) if self.fed.is_none() => {
+                (self.fed, self.counts) = (Some(now), self.reload)
+            }
+            (0x00, 0xAAAA) => {
+                self.fed = self.fed.map(|_| now);
+                self.counts = self.reload;
+            }
             (0x00, 0x5555) => self.unlocked = true,
             (0x00, _) => {}
             (0x04, value) if self.unlocked => self.prescaler = value & 7,
@@ -83,6 +94,16 @@ mod tests {
         assert_eq!(watchdog.bite(), Some(200 * MS));
         watchdog.write(0, 0xAAAA, 50 * MS);
         assert_eq!(watchdog.bite(), Some(250 * MS));
+        // A shorter one counts from the next reload on.
+        for (offset, value) in [(0, 0x5555), (8, 9)] {
+            assert!(watchdog.write(offset, value, 50 * MS));
+        }
+        assert_eq!(watchdog.bite(), Some(250 * MS));
+        watchdog.write(0, 0xAAAA, 60 * MS);
+        assert_eq!(watchdog.bite(), Some(140 * MS));
+        for (offset, value) in [(0, 0x5555), (8, 24), (0, 0xAAAA)] {
+            assert!(watchdog.write(offset, value, 50 * MS));
+        }
         // Locked again.
         watchdog.write(4, 0, 50 * MS);
         assert_eq!(watchdog.timeout(), 200 * MS);

@@ -30,8 +30,16 @@ const ERRORS: u32 = 0b11_1111_1010;
 const LOST: u32 = 1 << 31;
 const CORRECTED: u32 = 1 << 30;
 
+/// Caches of instructions and data: on, and reset.
+const INSTRUCTIONS_ON: u32 = 1 << 9;
+const DATA_ON: u32 = 1 << 10;
+const INSTRUCTIONS_RESET: u32 = 1 << 11;
+const DATA_RESET: u32 = 1 << 12;
+
 pub(super) struct G474Flash {
     access: u32,
+    /// Resets of caches that are due before they may be on.
+    stale: u32,
     /// Keys that came in their order.
     keys: u8,
     status: u32,
@@ -46,7 +54,8 @@ impl G474Flash {
     pub(super) fn new() -> Self {
         Self {
             // Both caches are on.
-            access: 0x600,
+            access: INSTRUCTIONS_ON | DATA_ON,
+            stale: 0,
             keys: 0,
             status: 0,
             control: LOCK | 1 << 30,
@@ -65,17 +74,32 @@ impl G474Flash {
             return RegisterEffect::None;
         }
         let is_ready = control & (PROGRAM | PAGE_ERASE) == PAGE_ERASE
+            && self.access & DATA_ON == 0
             && self.status & ERRORS == 0
             && now >= self.busy_until;
         if !is_ready {
             self.status |= SEQUENCE;
             return RegisterEffect::Unknown;
         }
+        self.stale = INSTRUCTIONS_RESET | DATA_RESET;
         let bank = if control & SECOND_BANK != 0 { BANK } else { 0 };
         RegisterEffect::Erase {
             start: FLASH + bank + (control >> 3 & 0x7F) * PAGE,
             bytes: PAGE,
             time: ERASURE,
+        }
+    }
+
+    /// Sets the caches. Returns an error for a reset of one that is on, and for one of data that is switched on with what it may have read wrong
+    /// during an operation (errata sheet ES0430, 2.2.2).
+    fn set_access(&mut self, access: u32) -> RegisterEffect {
+        let on = (access & (INSTRUCTIONS_ON | DATA_ON)) << 2;
+        let resets = access & (INSTRUCTIONS_RESET | DATA_RESET);
+        self.stale &= !resets;
+        self.access = access;
+        match on & resets != 0 || on & self.stale & DATA_RESET != 0 {
+            true => RegisterEffect::Unknown,
+            false => RegisterEffect::None,
         }
     }
 
@@ -108,7 +132,7 @@ impl FlashRegisters for G474Flash {
 
     fn write(&mut self, offset: u32, value: u32, now: Time) -> RegisterEffect {
         match (offset, value) {
-            (0x00, _) => self.access = value,
+            (0x00, _) => return self.set_access(value),
             (0x08, 0x4567_0123) if self.keys == 0 => self.keys = 1,
             (0x08, 0xCDEF_89AB) if self.keys == 1 => {
                 self.keys = 0;
@@ -128,6 +152,7 @@ impl FlashRegisters for G474Flash {
 
     fn store(&mut self, store: Store, now: Time) -> StoreEffect {
         let is_ready = self.control & (LOCK | PROGRAM | PAGE_ERASE) == PROGRAM
+            && self.access & DATA_ON == 0
             && self.status & ERRORS == 0
             && now >= self.busy_until;
         match (is_ready, store.size, self.first, store.address % 8) {
@@ -138,6 +163,7 @@ impl FlashRegisters for G474Flash {
             }
             (_, 4, Some((address, low)), 4) if address + 4 == store.address => {
                 self.first = None;
+                self.stale |= DATA_RESET;
                 if !store.is_erased && (low, store.word) != (0, 0) {
                     return self.refuse(PROGRAMMED);
                 }
@@ -181,6 +207,7 @@ mod tests {
 
     fn unlocked() -> G474Flash {
         let mut flash = G474Flash::new();
+        assert_eq!(flash.write(0x00, INSTRUCTIONS_ON, 0), RegisterEffect::None);
         for key in [0x4567_0123, 0xCDEF_89AB] {
             assert_eq!(flash.write(0x08, key, 0), RegisterEffect::None);
         }
@@ -246,6 +273,27 @@ mod tests {
             store(&mut flash, FLASH + 4, 0, false),
             StoreEffect::Program { .. }
         ));
+    }
+
+    #[test]
+    fn the_cache_of_data_is_off_during_an_operation_and_empty_behind_it() {
+        let mut flash = unlocked();
+        flash.write(0x00, DATA_ON, 0);
+        let erasure = PAGE_ERASE | START;
+        assert_eq!(flash.write(0x14, erasure, 0), RegisterEffect::Unknown);
+        let mut flash = unlocked();
+        flash.write(0x00, DATA_ON, 0);
+        flash.write(0x14, PROGRAM, 0);
+        let cached = store(&mut flash, FLASH, 1, true);
+        assert_eq!(refused(&flash, cached), Some(SEQUENCE));
+        let mut flash = unlocked();
+        flash.write(0x14, erasure, 0);
+        assert_eq!(flash.write(0x00, DATA_ON, 0), RegisterEffect::Unknown);
+        flash.write(0x00, 0, 0);
+        assert_eq!(flash.write(0x00, DATA_RESET, 0), RegisterEffect::None);
+        assert_eq!(flash.write(0x00, DATA_ON, 0), RegisterEffect::None);
+        let reset = flash.write(0x00, DATA_ON | DATA_RESET, 0);
+        assert_eq!(reset, RegisterEffect::Unknown);
     }
 
     #[test]
