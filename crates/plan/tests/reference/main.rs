@@ -3,5 +3,6 @@
 mod judge;
 mod least_times;
 mod problems;
+mod programs;
 mod service;
 mod window;

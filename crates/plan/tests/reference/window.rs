@@ -60,6 +60,7 @@ fn play<M: Model<N: Enclose<Bound = M::N>>, const CELLS: usize>(
                 piece: pieces[next],
                 feed: feed.map(M::N::from_f64),
                 tag: next,
+                number: next as u32,
             };
             assert!(window.push(piece), "{:?}", window.refusal());
             next += 1;
