@@ -21,6 +21,19 @@ pub struct Patience {
     pub attempts: u32,
 }
 
+impl Patience {
+    /// Returns the time without an answer after which the machine counts as silent.
+    pub fn total(&self) -> Duration {
+        let waits = (0..self.attempts.max(1)).map(|asked| self.wait(asked));
+        waits.sum()
+    }
+
+    /// Returns the wait for an answer behind `asked` others.
+    fn wait(&self, asked: u32) -> Duration {
+        self.answer * (1 << asked.min(DOUBLINGS))
+    }
+}
+
 impl Default for Patience {
     /// Waits 200 + 400 + 800 + 4 * 1600 ms. A frame of 300 bytes takes 26 ms at 115,200 baud, and other
     /// messages may come before the answer.
@@ -93,6 +106,11 @@ impl<N: Transmit> Exchange<N> {
         }
     }
 
+    /// Returns the patience with the machine.
+    pub fn patience(&self) -> Patience {
+        self.patience
+    }
+
     /// Returns the number of requests that had to be sent again.
     pub fn repeated(&self) -> u64 {
         self.repeated
@@ -161,7 +179,7 @@ impl<N: Transmit> Exchange<N> {
             if open.attempts >= self.patience.attempts.max(1) {
                 return Turn::Silent;
             }
-            open.due = now + self.patience.answer * (1 << open.attempts.min(DOUBLINGS));
+            open.due = now + self.patience.wait(open.attempts);
             open.attempts += 1;
         }
         self.repeated += u64::from(open.order != 0);

@@ -412,3 +412,6 @@ impl<N: Transmit> JobClient<N> {
         self.phase = phase;
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -189,8 +189,9 @@ impl<N: Transmit> JobProgress<N> {
         }
         self.flying = next.wrapping_sub(status.next);
         self.room = match self.is_path() {
-            // A machine does not say for how many pieces it has room: it refuses what it has none for.
-            true => 1,
+            // A machine does not say for how many pieces it has room: it refuses what it has none for. It plans none while its queue
+            // of moves is full, and takes none before long.
+            true => u16::from(status.room > 0),
             false => status.room.saturating_sub(self.flying as u16),
         };
     }

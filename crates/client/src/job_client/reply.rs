@@ -122,6 +122,15 @@ impl<N: Transmit> JobClient<N> {
 
     /// The machine has refused `command`.
     pub(super) fn on_refusal(&mut self, command: &Command<N>, refusal: Refusal<N>, now: Duration) {
+        let is_of_job =
+            command.brings_moves() || matches!(command, Command::Path(_) | Command::Start);
+        if self.phase == Phase::Streaming
+            && is_of_job
+            && self.schedule.refused(now) > self.exchange.patience().total()
+        {
+            // Whatever the machine waits for does not come.
+            return self.end_refused(command, refusal);
+        }
         match (command, refusal) {
             (Command::Hello(_), refusal) => {
                 self.phase = Phase::Finished(Err(JobFailure::Refused {
@@ -193,15 +202,18 @@ impl<N: Transmit> JobClient<N> {
             (Command::Hold | Command::Resume, _) => {}
             (_, refusal) => match self.phase {
                 Phase::Ending(failure) => self.phase = Phase::Finished(Err(failure)),
-                _ => {
-                    let index = match (command.offered(), command) {
-                        (Some(moves), _) => self.progress.index(moves.number),
-                        (None, Command::Path(_)) => Some(self.progress.has_taken()),
-                        _ => None,
-                    };
-                    self.enter(Phase::Ending(JobFailure::Refused { index, refusal }));
-                }
+                _ => self.end_refused(command, refusal),
             },
         }
+    }
+
+    /// Ends the job by the refusal of `command`.
+    fn end_refused(&mut self, command: &Command<N>, refusal: Refusal<N>) {
+        let index = match (command.offered(), command) {
+            (Some(moves), _) => self.progress.index(moves.number),
+            (None, Command::Path(_)) => Some(self.progress.has_taken()),
+            _ => None,
+        };
+        self.enter(Phase::Ending(JobFailure::Refused { index, refusal }));
     }
 }

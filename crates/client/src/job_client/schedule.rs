@@ -21,6 +21,8 @@ pub(super) struct Schedule {
     look: Duration,
     /// Neither moves nor orders before this time.
     pause: Duration,
+    /// The machine stands, takes nothing and changes nothing since then.
+    idle_since: Option<Duration>,
 }
 
 impl Schedule {
@@ -29,6 +31,7 @@ impl Schedule {
             every: STATUS_EVERY,
             look: Duration::ZERO,
             pause: Duration::ZERO,
+            idle_since: None,
         }
     }
 
@@ -80,6 +83,16 @@ impl Schedule {
     pub(super) fn wait(&mut self, now: Duration) {
         self.pause = now + self.every / 4;
         self.look = self.pause;
+    }
+
+    /// Takes note of a machine that has refused something at `now`, and returns for how long it has done nothing else.
+    pub(super) fn refused(&mut self, now: Duration) -> Duration {
+        now.saturating_sub(*self.idle_since.get_or_insert(now))
+    }
+
+    /// Takes note of a machine that does something.
+    pub(super) fn goes_on(&mut self) {
+        self.idle_since = None;
     }
 
     /// Ends a pause: a stop is not to wait.

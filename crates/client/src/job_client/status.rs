@@ -24,6 +24,11 @@ impl<N: Transmit> JobClient<N> {
             flying.filter_map(|request| request.command.offered()),
         );
         let before = self.status.replace(status);
+        let counts = |of: &Status<N>| (of.state, of.piece, of.next, of.admitted, of.done);
+        let stands = before.is_some_and(|before| counts(&before) == counts(&status));
+        if !stands || status.state != State::Idle {
+            self.schedule.goes_on();
+        }
         if before.is_none() {
             self.dry_before = status.dry_ticks;
         }
