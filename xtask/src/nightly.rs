@@ -117,6 +117,21 @@ fn steps() -> Result<Vec<Step>> {
             ],
         ),
         Step::on_host(
+            "two thousand random programs through windows",
+            "test",
+            &[
+                "--release",
+                "--package",
+                "trirrr-plan",
+                "--test",
+                "reference",
+                "--",
+                "--ignored",
+                "--nocapture",
+                "two_thousand",
+            ],
+        ),
+        Step::on_host(
             "jobs of a million lines",
             "test",
             &[
