@@ -155,6 +155,7 @@ fn through_window(
                 piece: each.piece,
                 feed: each.feed_m_s,
                 tag: (),
+                number: 0,
             });
             if !taken {
                 return Err(format!("{:?}", window.refusal()).into());

@@ -127,23 +127,46 @@ impl<N: Number> Piece<N> {
     }
 }
 
+/// Roundings of a place, in parts of a metre or a radian, that a tangent exceeds if its direction is known.
+const ROUNDINGS: u32 = 16;
+
 /// Sine of the angle between two tangents above which the path has a corner, beside some roundings of its numbers.
 const CORNER: f64 = 1e-9;
 
+/// Place where the motion goes on from a piece to the next.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Joint<N> {
+    /// x = (dp/dt)^2 at the start of the piece after over that at the end of the piece before.
+    pub(crate) scale: N,
+    /// Size of the change of the direction, as far as it is known: rounding turns a short piece.
+    pub(crate) turn: N,
+}
+
 /// Scale of x = (dp/dt)^2 from the end of `before` to the start of `after`; none at a corner.
 pub(crate) fn joint<N: Number>(before: &Piece<N>, after: &Piece<N>) -> Option<N> {
-    let (a, b) = (before.at(N::ONE).first, after.at(N::ZERO).first);
-    let (length_a, length_b) = (length(a), length(b));
-    let scale = length_a.div(length_b);
-    let turn = a * N::ONE.div(length_a) - b * N::ONE.div(length_b);
-    // Places are rounded by a part of a metre, at most: a short piece turns by as much.
-    let shorter = if length_a < length_b {
-        length_a
-    } else {
-        length_b
-    };
-    let corner = N::from_f64(CORNER) + (N::UNIT_ROUNDOFF * N::from_f64(16.0)).div(shorter);
-    (length(turn) <= corner).then_some(scale * scale)
+    Joint::of(before, after).map(|joint| joint.scale)
+}
+
+impl<N: Number> Joint<N> {
+    /// The place between `before` and `after`; none at a corner.
+    pub(crate) fn of(before: &Piece<N>, after: &Piece<N>) -> Option<Self> {
+        let (a, b) = (before.at(N::ONE).first, after.at(N::ZERO).first);
+        let (length_a, length_b) = (length(a), length(b));
+        let scale = length_a.div(length_b);
+        let turned = a * N::ONE.div(length_a) - b * N::ONE.div(length_b);
+        // Places are rounded by a part of a metre, at most: a short piece turns by as much.
+        let shorter = if length_a < length_b {
+            length_a
+        } else {
+            length_b
+        };
+        let corner = N::from_f64(CORNER) + (N::UNIT_ROUNDOFF * N::from_f64(16.0)).div(shorter);
+        let turn = length(turned);
+        (turn <= corner).then_some(Self {
+            scale: scale * scale,
+            turn,
+        })
+    }
 }
 
 /// Length of a tangent, with a metre counting as much as a radian.
@@ -152,6 +175,34 @@ pub(crate) fn length<N: Number>(v: Vector3<N>) -> N {
 }
 
 impl<B: Number> Piece<B> {
+    /// A length in the plane, and an angle, that no two poses of the piece are farther apart than.
+    pub(crate) fn extents(&self) -> [B; 2] {
+        let plane = |v: Vector2<B>| B::ab_plus_cd(v.x, v.x, v.y, v.y).sqrt();
+        let way = match self.curve {
+            PlaneCurve::Line { displacement, .. } => plane(displacement),
+            PlaneCurve::Arc { radius, turn, .. } => plane(radius) * turn.abs(),
+            PlaneCurve::Cubic {
+                coefficients: [c1, c2, c3],
+                ..
+            } => plane(c1) + plane(c2) + plane(c3),
+        };
+        let [c1, c2, c3] = self.turning;
+        [way, c1.abs() + c2.abs() + c3.abs()]
+    }
+
+    /// Returns true if the piece has a direction at its ends and in the middle: the rounding of its poses is small beside its tangents.
+    pub(crate) fn has_direction(&self) -> bool {
+        let least = B::UNIT_ROUNDOFF * B::ratio(ROUNDINGS, 1);
+        let mut places = [B::ZERO, B::HALF, B::ONE].into_iter();
+        places.all(|p| length(self.at(p).first) > least)
+    }
+
+    /// Returns true if the piece leads anywhere: a length far below the rounding of any place is none.
+    pub(crate) fn has_length(&self) -> bool {
+        let [plane, turning] = self.extents();
+        plane + turning > B::UNIT_ROUNDOFF * B::UNIT_ROUNDOFF
+    }
+
     /// The straight piece from `from` to `to`.
     pub fn line(from: Pose<B>, to: Pose<B>) -> Self {
         let way = from.displacement(&to);

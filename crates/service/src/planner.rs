@@ -106,8 +106,8 @@ pub trait PathPlanner<N: ServiceNumber> {
     /// Returns true while a path is under way.
     fn is_active(&self) -> bool;
 
-    /// Begins a path at `pose`, at rest, with the piece of number `first`.
-    fn begin(&mut self, pose: Pose<N>, first: u32);
+    /// Begins a path at `pose`, at rest.
+    fn begin(&mut self, pose: Pose<N>);
 
     /// Takes a piece. Returns false where there is no room, or no way to its end.
     fn push(&mut self, piece: &PathPiece<N>) -> bool;
@@ -142,7 +142,7 @@ impl<N: ServiceNumber> PathPlanner<N> for () {
     }
 
     #[inline(always)]
-    fn begin(&mut self, _: Pose<N>, _: u32) {}
+    fn begin(&mut self, _: Pose<N>) {}
 
     #[inline(always)]
     fn push(&mut self, _: &PathPiece<N>) -> bool {

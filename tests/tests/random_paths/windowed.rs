@@ -79,6 +79,7 @@ impl<N: ServiceNumber + Enclose<Bound = N>, const CELLS: usize> ModelVisitor<N>
                     piece: each.piece.over(),
                     feed: each.feed_m_s.map(N::from_f64),
                     tag: 0,
+                    number: next as u32,
                 };
                 if !window.push(piece) {
                     return Err(format!("{:?}", window.refusal()));

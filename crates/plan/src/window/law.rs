@@ -1,6 +1,6 @@
 //! The planned motion in time, sampled at equal steps.
 
-use super::look::Look;
+use super::look::{Look, Planned};
 use trirrr_core::number::Number;
 
 /// A place of the motion: where it is between two samples.
@@ -73,7 +73,7 @@ impl<B: Number> Cursor<B> {
             return Along::There;
         }
         let next = self.cell.wrapping_add(1);
-        let stops = look.cells.get(next).is_none_or(|next| next.stops);
+        let stops = look.cells.get(next).is_none_or(Planned::stops);
         let square = look.cells.get(next).map_or(B::ZERO, |next| next.square);
         *self = Self {
             cell: next,

@@ -4,7 +4,7 @@ use super::numbered::{Maybe, Numbered, set};
 use crate::cell::{Cell, Obstacle, Planner};
 use crate::extreme::{greater, lesser, unbounded};
 use crate::passes::{greatest_end, greatest_start};
-use crate::piece::Piece;
+use crate::piece::{Joint, Piece};
 use trirrr_core::model::Model;
 use trirrr_core::number::{Arithmetic, Number};
 use trirrr_service::admission::{Enclose, Path};
@@ -23,6 +23,8 @@ const NEXT_TO_STOP: [f64; 2] = [0.02, 0.3];
 const BLUR: f64 = 0.01;
 /// Shortest cell, in p.
 const SHORTEST: f64 = 1.0 / 4096.0;
+/// Turn between two pieces that the moves smooth without slowing down, rad.
+const UNSEEN_TURN: f64 = 0.1;
 /// Factor by which a cell may be longer than the one before.
 const GROWTH: u32 = 4;
 
@@ -33,8 +35,10 @@ pub(super) struct HeldPiece<B: Number, T> {
     /// Greatest speed of D, if it is limited.
     pub(super) feed: Option<B>,
     pub(super) tag: T,
-    /// x at its start over x at the end of the piece before; none: the motion stops between the two.
-    pub(super) joint: Option<B>,
+    /// Number by which a refusal names the piece.
+    pub(super) number: u32,
+    /// Place between the piece before and this one; none: the motion stops between the two.
+    pub(super) joint: Option<Joint<B>>,
 }
 
 /// A cell with its place and the pace that is planned.
@@ -45,8 +49,8 @@ pub(super) struct Planned<B> {
     pub(super) piece: u32,
     /// p at its start.
     pub(super) from: B,
-    /// The motion stops at its start.
-    pub(super) stops: bool,
+    /// Greatest x at the start where pieces meet: 0 where the motion stops there.
+    most: B,
     /// x at the start: final up to the cell that is committed next.
     pub(super) square: B,
     /// Greatest x at the start from which the end can be reached.
@@ -85,6 +89,13 @@ pub(super) struct Look<B, const CELLS: usize> {
     side: Maybe<bool>,
 }
 
+impl<B: Number> Planned<B> {
+    /// Returns true if the motion stops at its start, however it is planned.
+    pub(super) fn stops(&self) -> bool {
+        self.most == B::ZERO
+    }
+}
+
 impl<B: Number, const CELLS: usize> Look<B, CELLS> {
     pub(super) const fn new() -> Self {
         Self {
@@ -103,11 +114,6 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
     /// Returns true if a pass is under way.
     pub(super) fn is_passing(&self) -> bool {
         !self.pass.is_empty()
-    }
-
-    /// Returns true if cells wait to be committed.
-    pub(super) fn waits(&self) -> bool {
-        self.committed != self.cells.end()
     }
 
     /// Measures one cell of `entry`, or finds that a shorter one is needed. `stops`: the motion stops where the piece
@@ -137,9 +143,10 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
                 span = lesser(span, (least + growth * left).div(B::ONE + growth));
             }
         }
-        // What would be left behind it is no cell.
+        // What would be left behind it is no cell. From rest to rest it takes two.
+        let rests = self.committed == self.cells.end();
         if left - span < B::HALF * span {
-            span = match span < left {
+            span = match span < left || rests {
                 true => B::HALF * left,
                 false => left,
             };
@@ -147,16 +154,20 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
         let whole = !(span < left);
         let to = if whole { B::ONE } else { from + span };
         match self.try_measure(planner, entry, [from, to], step) {
-            Ok(Ok(mut cell)) => {
-                let starts = from == B::ZERO;
-                if let Some(joint) = entry.joint.filter(|_| starts) {
-                    cell.join(joint);
-                }
+            Ok(Ok((mut cell, rate))) => {
+                let most = match (from == B::ZERO, entry.joint) {
+                    (false, _) => unbounded(),
+                    (true, None) => B::ZERO,
+                    (true, Some(joint)) => {
+                        cell.join(joint.scale);
+                        most_at(&joint, rate)
+                    }
+                };
                 self.cells.push(Planned {
                     cell,
                     piece: self.piece,
                     from,
-                    stops: starts && entry.joint.is_none(),
+                    most,
                     square: B::ZERO,
                     ceiling: B::ZERO,
                 });
@@ -178,21 +189,18 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
         }
     }
 
-    /// Measures the stretch `ends`; the inner error is a length that suits it better.
+    /// Measures the stretch `ends`, with about the greatest acceleration along it; the inner error is a length that suits it better.
     fn try_measure<M: Model<N: Enclose<Bound = B>>, T>(
         &mut self,
         planner: &Planner<M, &Path<M>>,
         entry: &HeldPiece<B, T>,
         ends: [B; 2],
         step: B,
-    ) -> Result<Result<Cell<B>, B>, Obstacle> {
+    ) -> Result<Result<(Cell<B>, B), B>, Obstacle> {
         let mut cell = self.cell(planner, entry, ends)?;
         let span = cell.length;
-        let Reach {
-            square,
-            braking,
-            blur,
-        } = Reach::of(&cell);
+        let Reach { square, rate, blur } = Reach::of(&cell);
+        let braking = square.div(rate + rate);
         // The samples see nothing of what is much shorter than they are apart.
         let seen = B::HALF * step * square.sqrt();
         let [known_from, known_span, known_blur] = self.measured;
@@ -214,8 +222,9 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
         self.span = lesser(suited, span * B::ratio(GROWTH, 1));
         leave_room(&mut cell);
         cell.reserve(planner.ramp());
-        Ok(Ok(cell))
+        Ok(Ok((cell, rate)))
     }
+
     /// Measures the stretch `ends`.
     fn cell<M: Model<N: Enclose<Bound = B>>, T>(
         &mut self,
@@ -232,52 +241,32 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
         Ok(measured?.cell())
     }
 
-    /// The numbers of the cell that waits alone between two places of rest, and of its piece: no constant acceleration leads
-    /// through it.
-    pub(super) fn lone(&self) -> Option<[u32; 2]> {
-        let number = self.committed;
-        let planned = self.cells.get(number)?;
-        let is_last = self.cells.end() == number.wrapping_add(1);
-        let rests = planned.square == B::ZERO;
-        (is_last && rests && self.cells.has_room()).then_some([number, planned.piece])
-    }
-
-    /// Divides cell `number`, the last one, into two.
-    pub(super) fn halve<M: Model<N: Enclose<Bound = B>>, T>(
-        &mut self,
-        planner: &Planner<M, &Path<M>>,
-        entry: &HeldPiece<B, T>,
-        number: u32,
-    ) -> Result<(), Obstacle> {
-        let Some(planned) = self.cells.get(number) else {
-            return Ok(());
-        };
-        let (piece, from, length) = (planned.piece, planned.from, planned.cell.length);
-        let middle = from + B::HALF * length;
-        let first = self.cell(planner, entry, [from, middle])?;
-        let mut second = self.cell(planner, entry, [middle, from + length])?;
-        leave_room(&mut second);
-        second.reserve(planner.ramp());
-        if let Some(planned) = self.cells.get_mut(number) {
-            (planned.cell.limits, planned.cell.length) = (first.limits, first.length);
-        }
-        self.cells.push(Planned {
-            cell: second,
-            piece,
-            from: middle,
-            stops: false,
-            square: B::ZERO,
-            ceiling: B::ZERO,
-        });
-        Ok(())
-    }
-
     /// Goes on to the next piece, whose p is `scale` of that of the last.
     pub(super) fn next_piece(&mut self, scale: B) {
         self.piece = self.piece.wrapping_add(1);
         self.to = B::ZERO;
         self.span = lesser(self.span * scale, B::ONE);
         (self.measured, self.clear) = ([B::ZERO; 3], B::ZERO);
+    }
+
+    /// Drops the cells of piece `piece`, the last one, if the motion can stop before them.
+    pub(super) fn leave_out(&mut self, piece: u32) {
+        let mut first = self.cells.end();
+        let is_of_piece = |number: u32| {
+            let before = self.cells.get(number.wrapping_sub(1));
+            before.is_some_and(|cell| cell.piece == piece)
+        };
+        while first != self.committed && is_of_piece(first) {
+            first = first.wrapping_sub(1);
+        }
+        // Where no other cell waits, it stops there only if it has come to rest.
+        let rests = self
+            .cells
+            .get(first)
+            .is_none_or(|cell| cell.square == B::ZERO);
+        if first != self.committed || rests {
+            self.cells.truncate(first);
+        }
     }
 
     /// Measures the rest of cell `number` from p = `at` again, as its first part is played already.
@@ -307,21 +296,41 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
             planned.from = begins;
         }
         planned.square = square;
-        planned.stops = false;
+        planned.most = unbounded();
         planned.cell.join(B::ONE);
         self.committed = number;
         self.pass.clear();
         Ok(())
     }
 
-    /// Number up to which cells are to be committed: the half of those that wait, or all.
-    pub(super) fn half(&self, all: bool) -> u32 {
+    /// Returns true if another cell can be measured.
+    pub(super) fn has_room(&self) -> bool {
+        self.cells.has_room()
+    }
+
+    /// Begins to commit cells: all, or those in the first half of the window. The motion can stop in the other half, and only
+    /// there: where it is all that is left, cells have to come before others are committed. Returns false if there are none.
+    pub(super) fn commit(&mut self, all: bool) -> bool {
         let end = self.cells.end();
-        let count = end.wrapping_sub(self.committed);
-        match all {
-            true => end,
-            false => self.committed.wrapping_add(count.div_ceil(2)),
+        let held = end.wrapping_sub(self.cells.first());
+        let stays = if all { 0 } else { held / 2 };
+        self.commit_but(stays)
+    }
+
+    /// Begins to commit half of the cells that are left, and the last one at last: the motion stops behind it. Returns false if
+    /// there is none.
+    pub(super) fn commit_half(&mut self) -> bool {
+        self.commit_but(self.cells.end().wrapping_sub(self.committed) / 2)
+    }
+
+    fn commit_but(&mut self, stays: u32) -> bool {
+        let end = self.cells.end();
+        let waits = end.wrapping_sub(self.committed);
+        let commits = waits > stays;
+        if commits {
+            self.begin_pass(end.wrapping_sub(stays));
         }
+        commits
     }
 
     /// Begins the passes over the cells that are not committed, to commit those before `until`.
@@ -345,11 +354,9 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
                 pass.index = pass.index.wrapping_sub(1);
                 if let Some(planned) = self.cells.get_mut(pass.index) {
                     let guess = planned.ceiling;
-                    planned.ceiling = greatest_start(&planned.cell, pass.behind, guess);
-                    pass.behind = match planned.stops {
-                        true => B::ZERO,
-                        false => planned.ceiling.div(planned.cell.joint),
-                    };
+                    let reached = greatest_start(&planned.cell, pass.behind, guess);
+                    planned.ceiling = lesser(reached, planned.most);
+                    pass.behind = planned.ceiling.div(planned.cell.joint);
                 }
             } else {
                 pass.forward = true;
@@ -362,18 +369,14 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
             return;
         }
         let next = pass.index.wrapping_add(1);
-        let (ceiling, joint, stops) = match self.cells.get(next) {
-            Some(next) => (next.ceiling, next.cell.joint, next.stops),
-            None => (B::ZERO, B::ONE, true),
+        let [ceiling, joint] = match self.cells.get(next) {
+            Some(next) => [next.ceiling, next.cell.joint],
+            None => [B::ZERO, B::ONE],
         };
-        let cap = if stops { B::ZERO } else { ceiling.div(joint) };
+        let cap = ceiling.div(joint);
         if let Some(planned) = self.cells.get(pass.index) {
             let end = greatest_end(&planned.cell, planned.square, cap);
-            let square = if stops {
-                B::ZERO
-            } else {
-                lesser(ceiling, end * joint)
-            };
+            let square = lesser(ceiling, end * joint);
             if let Some(planned) = self.cells.get_mut(next) {
                 planned.square = square;
             }
@@ -385,8 +388,8 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
     /// x at the end of cell `number`, which is committed.
     pub(super) fn end_square(&self, number: u32) -> B {
         match self.cells.get(number.wrapping_add(1)) {
-            Some(next) if !next.stops => next.square.div(next.cell.joint),
-            _ => B::ZERO,
+            Some(next) => next.square.div(next.cell.joint),
+            None => B::ZERO,
         }
     }
 
@@ -404,6 +407,18 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
     }
 }
 
+/// Greatest x at the start of a piece with about the greatest acceleration `rate`. A turn at its joint is one of the path, or of its
+/// rounding: such a piece is so short that nobody knows. The motion has its length for the turn.
+fn most_at<B: Number>(joint: &Joint<B>, rate: B) -> B {
+    let Joint { scale, turn } = *joint;
+    if turn <= B::from_f64(UNSEEN_TURN) {
+        return unbounded();
+    }
+    // In parts of the piece: the shorter of the two.
+    let shorter = lesser(scale.sqrt(), B::ONE);
+    (rate * shorter).div(turn)
+}
+
 /// Leaves the part of the limits that moves need beside the plan.
 fn leave_room<B: Number>(cell: &mut Cell<B>) {
     let is_rounded = B::UNIT_ROUNDOFF > B::from_f64(1e-12);
@@ -419,8 +434,8 @@ fn leave_room<B: Number>(cell: &mut Cell<B>) {
 struct Reach<B> {
     /// About the greatest x.
     square: B,
-    /// About the way, in p, on which the machine brakes from it.
-    braking: B,
+    /// About the greatest acceleration along the path.
+    rate: B,
     /// Part of a limit that the errors of the coefficients take then.
     blur: B,
 }
@@ -443,10 +458,6 @@ impl<B: Arithmetic> Reach<B> {
             let error = error + row.square.error * square + row.rest.error;
             blur = greater(blur, error.div(room));
         }
-        Self {
-            square,
-            braking: square.div(rate + rate),
-            blur,
-        }
+        Self { square, rate, blur }
     }
 }

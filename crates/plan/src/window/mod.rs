@@ -16,7 +16,7 @@ mod planner;
 
 use crate::cell::{Obstacle, Planner};
 use crate::fit::{LONGEST_S, rest};
-use crate::piece::{Piece, joint};
+use crate::piece::{Joint, Piece};
 use heapless::Deque;
 use law::{Along, Cursor, STANDING};
 use look::{HeldPiece, Look};
@@ -82,6 +82,8 @@ pub struct WindowPiece<B: Number, T> {
     pub feed: Option<B>,
     /// Comes out with each move whose middle lies on the piece.
     pub tag: T,
+    /// Number by which a refusal names the piece.
+    pub number: u32,
 }
 
 /// A move that a window has made.
@@ -109,7 +111,7 @@ pub enum Outlook<B: Number, T> {
 /// Reason why a path was given up.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct WindowRefusal<B> {
-    /// Number of the piece, from 0 for the first one that the window took.
+    /// Number of the piece.
     pub piece: u32,
     /// Parameter of the piece, 0 to 1.
     pub p: B,
@@ -229,22 +231,43 @@ impl<N: Enclose, T: Copy + PartialEq, const PIECES: usize, const CELLS: usize>
     }
 
     /// Takes a piece, which begins where the path ends. Returns false where there is no room for it, or the path was
-    /// given up.
+    /// given up. A piece without a length is left out.
     pub fn push(&mut self, piece: WindowPiece<N::Bound, T>) -> bool {
-        let number = self.pieces.end();
-        let open = self.last.first().filter(|_| self.closed != Some(number));
-        let WindowPiece { piece, feed, tag } = piece;
+        let index = self.pieces.end();
+        let open = self.last.first().filter(|_| self.closed != Some(index));
+        let WindowPiece {
+            piece,
+            feed,
+            tag,
+            number,
+        } = piece;
+        if !piece.has_length() {
+            return self.refusal.is_empty() && self.room() > 0;
+        }
+        let piece = self.straightened(piece);
         let entry = HeldPiece {
             piece,
             feed,
             tag,
-            joint: open.and_then(|last| joint(last, &piece)),
+            number,
+            joint: open.and_then(|last| Joint::of(last, &piece)),
         };
         let taken = self.refusal.is_empty() && self.pieces.push(entry);
         if taken {
             set(&mut self.last, piece);
         }
         taken
+    }
+
+    /// The straight piece between the ends of one whose tangents are lost in the rounding of its poses, where nobody can tell the two
+    /// apart.
+    fn straightened(&self, piece: Piece<N::Bound>) -> Piece<N::Bound> {
+        let [metres, radians] = self.settings.tolerances;
+        let [plane, turning] = piece.extents();
+        match plane <= metres && turning <= radians && !piece.has_direction() {
+            true => Piece::line(piece.at(N::Bound::ZERO).pose, piece.at(N::Bound::ONE).pose),
+            false => piece,
+        }
     }
 
     /// Declares the end: the motion stops at the end of what has come, even if more comes.
@@ -296,30 +319,23 @@ impl<N: Enclose, T: Copy + PartialEq, const PIECES: usize, const CELLS: usize>
             return Outlook::Working;
         }
         // All that is known is measured, or there is no room for more.
-        let all = self.closed == Some(self.look.piece) || !self.refusal.is_empty();
-        let is_full = !self.look.cells.has_room() || self.room() == 0;
-        if self.look.waits() && (all || is_full) {
-            let lone = self.look.lone();
-            if let Some([number, piece]) = lone
-                && let Some(entry) = self.pieces.get(piece)
-            {
-                let planner = self.planner(path);
-                // As it stands, it has no plan.
-                if self.look.halve(&planner, entry, number).is_err() {
-                    self.give_up();
-                    return Outlook::Waiting;
-                }
-            }
-            self.look.begin_pass(self.look.half(all));
+        let at_close = self.closed == Some(self.look.piece) && self.look.to == N::Bound::ZERO;
+        let all = at_close || !self.refusal.is_empty();
+        let is_full = !self.look.has_room() || self.room() == 0;
+        if (all || is_full) && self.look.commit(all) {
             return Outlook::Working;
         }
-        if is_full {
+        if is_full && !all {
             // Only a move makes room.
             let steps = (self.samples.len() as u32).saturating_sub(1 + u32::from(STANDING));
-            match steps {
-                0 => self.give_up(),
-                _ => return self.fit(Until { steps, rest: None }),
+            if steps > 0 {
+                return self.fit(Until { steps, rest: None });
             }
+            // All that there is room for lasts no longer than a move.
+            if self.look.commit_half() {
+                return Outlook::Working;
+            }
+            self.give_up();
         }
         Outlook::Waiting
     }
@@ -327,7 +343,7 @@ impl<N: Enclose, T: Copy + PartialEq, const PIECES: usize, const CELLS: usize>
     /// Measures a cell. Returns false if there is none to measure, or no room.
     fn measure<M: Model<N = N>>(&mut self, path: &Path<M>) -> bool {
         let number = self.look.piece;
-        if !self.look.cells.has_room() || !self.refusal.is_empty() {
+        if !self.look.has_room() || !self.refusal.is_empty() {
             return false;
         }
         let Some(entry) = self.pieces.get(number) else {
@@ -348,29 +364,18 @@ impl<N: Enclose, T: Copy + PartialEq, const PIECES: usize, const CELLS: usize>
             Ok(()) => {
                 if self.look.to == N::Bound::ONE {
                     let joint = follows.and_then(|next| next.joint);
-                    let scale = joint.map_or(N::Bound::ONE, |joint| joint.sqrt());
+                    let scale = joint.map_or(N::Bound::ONE, |joint| joint.scale.sqrt());
                     self.look.next_piece(scale);
                 }
             }
             Err(obstacle) => {
                 let refusal = WindowRefusal {
-                    piece: number,
+                    piece: entry.number,
                     p: self.look.to,
                     obstacle,
                 };
                 set(&mut self.refusal, refusal);
-                // What is planned of the piece is left out, if none of it is played.
-                let mut first = self.look.cells.end();
-                while first != self.look.committed
-                    && self
-                        .look
-                        .cells
-                        .get(first.wrapping_sub(1))
-                        .is_some_and(|cell| cell.piece == number)
-                {
-                    first = first.wrapping_sub(1);
-                }
-                self.look.cells.truncate(first);
+                self.look.leave_out(number);
             }
         }
         true

@@ -210,7 +210,7 @@ impl<N: Enclose, T: Copy + PartialEq, const PIECES: usize, const CELLS: usize>
         let place = self.sample_at(1);
         let piece = place.map_or(self.look.piece, |sample| sample.piece);
         let refusal = WindowRefusal {
-            piece,
+            piece: self.pieces.get(piece).map_or(piece, |entry| entry.number),
             p: N::Bound::ZERO,
             obstacle: Obstacle::Refused,
         };

@@ -23,8 +23,6 @@ pub struct ServicePlanner<N: ServiceNumber, const PIECES: usize, const CELLS: us
     window: Window<N, ToolSetting<N>, PIECES, CELLS>,
     can_plan: bool,
     is_active: bool,
-    /// Number of the first piece of the path.
-    first: u32,
     /// The last move that was refused.
     refused: Maybe<Violation<N>>,
 }
@@ -36,7 +34,6 @@ impl<N: ServiceNumber, const PIECES: usize, const CELLS: usize> PathPlanner<N>
         window: Window::new(Planning::NONE),
         can_plan: false,
         is_active: false,
-        first: 0,
         refused: Maybe::new(),
     };
 
@@ -56,10 +53,9 @@ impl<N: ServiceNumber, const PIECES: usize, const CELLS: usize> PathPlanner<N>
         self.is_active
     }
 
-    fn begin(&mut self, pose: Pose<N>, first: u32) {
+    fn begin(&mut self, pose: Pose<N>) {
         self.window.stand(bound(&pose));
         self.is_active = true;
-        self.first = first;
         self.refused.clear();
     }
 
@@ -74,6 +70,7 @@ impl<N: ServiceNumber, const PIECES: usize, const CELLS: usize> PathPlanner<N>
                 power: piece.tool_power,
                 speed: piece.tool_speed,
             },
+            number: piece.number,
         });
         if taken && piece.last {
             self.window.close();
@@ -90,7 +87,7 @@ impl<N: ServiceNumber, const PIECES: usize, const CELLS: usize> PathPlanner<N>
                 None if self.window.is_closed() => PathStep::Done,
                 None => PathStep::Waiting,
                 Some(refusal) => PathStep::Refused {
-                    number: self.first.wrapping_add(refusal.piece),
+                    number: refusal.piece,
                     violation: match self.refused.first() {
                         Some(violation) if refusal.obstacle == Obstacle::Refused => *violation,
                         _ => violation(&refusal),

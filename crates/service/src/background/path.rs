@@ -37,7 +37,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             if !is_at_rest(&before) {
                 return Err(Refusal::StartVelocity);
             }
-            self.planner.begin(before.pose, piece.number);
+            self.planner.begin(before.pose);
         }
         if !self.planner.push(piece) {
             return Err(Refusal::QueueFull);

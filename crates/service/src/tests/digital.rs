@@ -362,7 +362,7 @@ impl PathPlanner<f64> for HastyPlanner {
         self.from.is_some()
     }
 
-    fn begin(&mut self, pose: Pose<f64>, _: u32) {
+    fn begin(&mut self, pose: Pose<f64>) {
         *self = Self {
             from: Some(pose),
             ..Self::EMPTY
