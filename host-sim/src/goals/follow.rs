@@ -10,11 +10,16 @@ use std::time::Duration;
 use trirrr_scene::read::files;
 use trirrr_service::ServiceNumber;
 
+/// Longest time between poses that the motion takes into account, s.
+const LONGEST_BETWEEN_S: f64 = 1.0;
+
 /// Poses as they come, or one after the other in time.
 pub(super) struct Poses {
     lines: Receiver<String>,
     every: Option<Duration>,
     next: Duration,
+    /// Time of the last pose.
+    last: Duration,
     read: u64,
     is_over: bool,
 }
@@ -35,13 +40,14 @@ impl Poses {
             lines,
             every: args.every.map(Duration::from_secs_f64),
             next: Duration::ZERO,
+            last: Duration::ZERO,
             read: 0,
             is_over: false,
         })
     }
 
-    /// The goal of a line; `alpha_rad` where the line has none.
-    fn goal(&self, line: &str, alpha_rad: f64) -> Result<GoalSi, CliError> {
+    /// The goal of a line; `alpha_rad` where the line has none. One in motion is passed in `moving_s`.
+    fn goal(&self, line: &str, alpha_rad: f64, moving_s: f64) -> Result<GoalSi, CliError> {
         let values = numbers(line).unwrap_or_default();
         let (pose, velocity) = match values[..] {
             [x, y] => ([x, y, alpha_rad], [0.0; 3]),
@@ -58,8 +64,14 @@ impl Poses {
         Ok(GoalSi {
             pose,
             velocity,
-            least_s: 0.0,
+            least_s: if velocity == [0.0; 3] { 0.0 } else { moving_s },
         })
+    }
+
+    /// Time to a pose in motion, s: in twice the time between poses the next one is there, and what is left is enough to stop in.
+    fn moving_s(&self, now: Duration, ramp_s: f64) -> f64 {
+        let between = self.every.unwrap_or(now.saturating_sub(self.last));
+        (2.0 * between.as_secs_f64().min(LONGEST_BETWEEN_S)).max(2.0 * ramp_s)
     }
 }
 
@@ -77,7 +89,9 @@ impl Goals for Poses {
                 Ok(line) if is_skipped(&line) => {}
                 Ok(line) => {
                     self.read += 1;
-                    session.aim(&self.goal(&line, alpha_rad)?);
+                    let moving_s = self.moving_s(now, session.ramp_s());
+                    session.aim(&self.goal(&line, alpha_rad, moving_s)?);
+                    self.last = now;
                     if let Some(every) = self.every {
                         self.next = now + every;
                     }

@@ -402,7 +402,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             room: room.room,
             rests,
         };
-        // The tick accepts no other.
+        // A machine that comes to rest before the cut has to get there: until then nobody gives more.
         if !ahead.rests_from(first) && !feed.can_start(|x| Room::NONE.left(&ahead.room, x)) {
             self.try_again();
             return true;

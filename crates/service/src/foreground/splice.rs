@@ -52,8 +52,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
     }
 
-    /// Returns true if the cut is still ahead, and the path can come to rest on the chain and get there from wherever it stands: until
-    /// it is there nobody gives more.
+    /// Returns true if the cut is still ahead, and the path can come to rest on the chain. It gets there from wherever it stands: the
+    /// background orders no other cut.
     fn is_in_time(&self, cut: &CutOrder) -> bool {
         let moves = matches!(self.state, State::Running | State::Slowing | State::Holding);
         let Some(splices) = self.splices.get() else {
@@ -69,7 +69,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         let stops = || {
             let room = |x: usize| Room::NONE.left(&cut.ahead.room, x);
             let part = self.position.part;
-            self.feed.can_stop(self.feed.steady(), part, room) && self.feed.can_start(room)
+            self.feed.can_stop(self.feed.steady(), part, room)
         };
         moves
             && is_first
@@ -104,6 +104,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// Returns true while no move can come: the queue is full, or a cut is ahead, before which none is taken. Then the path goes as fast
     /// as what there is allows.
+    // Seldom asked for, from several places.
+    #[inline(never)]
     pub(super) fn gets_no_more(&self) -> bool {
         let chain = self.splices.get().map_or(0, |all| all.len());
         self.is_cut_ahead() || self.moves.len() + chain >= self.moves.capacity()
