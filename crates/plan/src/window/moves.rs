@@ -173,6 +173,15 @@ impl<N: Enclose, T: Copy + PartialEq, const PIECES: usize, const CELLS: usize>
         }
     }
 
+    /// The move that was made is refused for what its pace does not change, or is not proven to keep that: a shorter one takes its
+    /// place, whose bounds are narrower. There is none where it has one step.
+    pub fn shorten(&mut self) {
+        match self.draft.take() {
+            Some(draft) if draft.steps > 1 => self.longest = draft.steps / 2,
+            _ => self.give_up(),
+        }
+    }
+
     /// Plans again from the last sample that the kept moves need, with lower limits for the next `steps`.
     fn lower<M: Model<N = N>>(&mut self, path: &Path<M>, steps: u32, share: N::Bound) -> bool {
         let last = self.samples.get(steps as usize + 3).or(self.samples.back());

@@ -112,7 +112,7 @@ impl<N: ServiceNumber, const PIECES: usize, const CELLS: usize> PathPlanner<N>
                 let by = violation.value.bound().abs().div(violation.limit.bound());
                 self.window.cut(path, by - N::Bound::ONE);
             }
-            false => self.window.give_up(),
+            false => self.window.shorten(),
         }
     }
 
