@@ -46,6 +46,8 @@ pub fn command(args: &CheckArgs) -> Result<(), CliError> {
     )?;
     job.warn_of_pauses();
     let LoadedJob { scene, pauses, .. } = job;
+    trirrr_image::ram::check_board(&scene)
+        .map_err(|why| CliError::Refused(format!("{}: {why}", args.scene.display())))?;
     let text = match args.json {
         true => format!("{}\n", as_json(&scene, &pauses)),
         false => as_text(&scene),

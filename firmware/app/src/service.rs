@@ -46,11 +46,14 @@ compile_error!(
 );
 
 /// Places for moves; one stays empty. At one tick a move, and 1 kHz, the machine has a quarter of a second to live on.
-#[cfg(not(levels))]
+#[cfg(not(any(levels, small)))]
 const MOVES: usize = 257;
 /// Power lists take the room of some.
-#[cfg(levels)]
+#[cfg(all(levels, not(small)))]
 const MOVES: usize = 225;
+/// The RAM of an RP2040 holds the program, too. With moves of 4 ms, the shortest of a plan, the machine has half a second to live on.
+#[cfg(small)]
+const MOVES: usize = 129;
 
 /// Places for telemetry samples; one stays empty. The background sends while the tick adds.
 const SAMPLES: usize = 8;

@@ -15,6 +15,7 @@ pub use source::{source, units};
 pub use tool::tool_kind;
 
 use crate::board::{Needs, is_path};
+use crate::ram;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
@@ -70,15 +71,30 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
             )
         })?;
 
-    // The target of an RP2040. Without this its own build would fail beside the code that uses the flash.
-    if scene.service.update && env::var("TARGET").is_ok_and(|target| target.starts_with("thumbv6m"))
-    {
+    // The target of an RP2040.
+    let is_small = env::var("TARGET").is_ok_and(|target| target.starts_with("thumbv6m"));
+    println!("cargo:rustc-check-cfg=cfg(small)");
+    if is_small {
+        println!("cargo:rustc-cfg=small");
+    }
+    // Without this its own build would fail beside the code that uses the flash.
+    if scene.service.update && is_small {
         return Err(format!(
             "{}: update = true in [service]: an RP2040 takes another program by USB, from its ROM (docs/board.md, RP2040); \
              leave update and scene_over_line out",
             file.display()
         )
         .into());
+    }
+    if is_small {
+        println!("cargo:rerun-if-env-changed=LINE");
+        let usb = env::var("LINE").is_ok_and(|line| line == "usb");
+        let number = match *scalar {
+            FIXED => NumberType::Fixed,
+            COARSE => NumberType::Micromath,
+            _ => NumberType::F32,
+        };
+        ram::check(&scene, number, usb).map_err(|why| format!("{}: {why}", file.display()))?;
     }
 
     let out =

@@ -11,6 +11,8 @@ pub mod board;
 mod checksum;
 #[cfg(feature = "generate")]
 pub mod generate;
+#[cfg(feature = "generate")]
+pub mod ram;
 mod segment;
 mod switches;
 
