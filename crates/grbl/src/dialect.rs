@@ -269,7 +269,7 @@ impl Dialect {
         let stands = matches!(self.wait, None | Some(Wait::Stand));
         match view.phase {
             MachinePhase::Fault | MachinePhase::Lost => State::Alarm,
-            MachinePhase::Off if self.is_asleep => State::Sleep,
+            _ if self.is_asleep => State::Sleep,
             MachinePhase::Off => State::Alarm,
             _ if self.is_locked => State::Alarm,
             phase => match self.held_state(view) {

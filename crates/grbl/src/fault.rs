@@ -1,9 +1,7 @@
 //! Numbers of GRBL's errors and alarms.
 
-use trirrr_toolpath::PathFault;
+use trirrr_toolpath::gcode::RefusalKind;
 
-/// A letter was expected.
-pub(crate) const LETTER: u8 = 1;
 /// A number is none.
 pub(crate) const NUMBER: u8 = 2;
 /// A `$` command is not known or not supported.
@@ -22,14 +20,14 @@ pub(crate) const TRAVEL: u8 = 15;
 pub(crate) const JOG: u8 = 16;
 /// The door is open.
 pub(crate) const DOOR: u8 = 13;
-/// A code is not supported.
-pub(crate) const CODE: u8 = 20;
 /// There is no feed.
 pub(crate) const FEED: u8 = 22;
+/// A code needs axis words.
+pub(crate) const NO_AXES: u8 = 26;
 /// A word that no code of the line uses.
 pub(crate) const UNUSED: u8 = 36;
 /// A motion with the probe has no length, or is none.
-pub(crate) const PROBE: u8 = 33;
+pub(crate) const TARGET: u8 = 33;
 
 /// A fault of the machine.
 pub(crate) const ALARM_FAULT: u8 = 1;
@@ -43,13 +41,28 @@ pub(crate) const ALARM_NO_CONTACT: u8 = 5;
 pub(crate) const ALARM_HOMING: u8 = 8;
 
 /// Number for a line that the interpreter refuses.
-pub(crate) fn number(fault: &PathFault) -> u8 {
-    let reason = fault.reason.as_str();
-    match () {
-        _ if reason.contains("no feed") => FEED,
-        _ if reason.contains("longer than") => OVERFLOW,
-        _ if reason.contains("not a number") => NUMBER,
-        _ if reason.contains("needs a letter") => LETTER,
-        _ => CODE,
+pub(crate) fn number(kind: RefusalKind) -> u8 {
+    match kind {
+        RefusalKind::Letter => 1,
+        RefusalKind::Number => NUMBER,
+        RefusalKind::Negative => NEGATIVE,
+        RefusalKind::TooLong => OVERFLOW,
+        RefusalKind::Unsupported => 20,
+        RefusalKind::ModalGroup => 21,
+        RefusalKind::NoFeed => FEED,
+        RefusalKind::NotWhole => 23,
+        RefusalKind::AxisConflict => 24,
+        RefusalKind::Repeated => 25,
+        RefusalKind::NoAxes => NO_AXES,
+        RefusalKind::LineNumber => 27,
+        RefusalKind::MissingWord => 28,
+        RefusalKind::NoSystem => 29,
+        RefusalKind::FixedFrame => 30,
+        RefusalKind::NoMotionMode => 31,
+        RefusalKind::ArcTarget => TARGET,
+        RefusalKind::ArcRadius => 34,
+        RefusalKind::NoCentre => 35,
+        RefusalKind::Unused => UNUSED,
+        RefusalKind::TooLarge => 38,
     }
 }

@@ -139,7 +139,7 @@ impl Dialect {
             Some(rest) => (rest, true),
             None => (command, false),
         };
-        if command.starts_with(['$', 'G', 'C', 'X', 'J', 'H', 'S', 'I', 'R', '#']) {
+        if !is_block && command.starts_with(['$', 'G', 'C', 'X', 'J', 'H', 'S', 'I', 'R', '#']) {
             return Err((fault::STATEMENT, unknown()));
         }
         let (number, rest) = leading_number(command).ok_or((fault::NUMBER, unknown()))?;

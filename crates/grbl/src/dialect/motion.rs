@@ -7,7 +7,7 @@ use super::wait::Wait;
 use crate::fault;
 use crate::view::{MachineAct, MachineView, MotionCheck};
 use trirrr_toolpath::gcode::{Interpreter, LineWork};
-use trirrr_toolpath::{Act, Element, ToolMotion};
+use trirrr_toolpath::{Act, Element, PathFault, ToolMotion};
 
 impl Dialect {
     /// Reads a line of G-code, whose words without comments are `words`. All of it is taken, or nothing.
@@ -30,10 +30,9 @@ impl Dialect {
         let mut trial = self.interpreter.clone();
         let work = match trial.line(self.line, text) {
             Ok(work) => work,
-            Err(fault) => {
-                let number = fault::number(&fault);
-                self.message(&format!("line {fault}"));
-                return self.error(number);
+            Err(found) => {
+                self.message(&format!("line {found}"));
+                return self.error(fault::number(found.kind));
             }
         };
         if let Err(reason) = self.check(&work, reach) {
@@ -149,11 +148,11 @@ fn jog_line(trial: &mut Interpreter, number: u32, words: &str) -> Result<LineWor
     // Lines that are always good.
     let _ = trial.line(number, &format!("G1G94F0{distances}"));
     let work = trial.line(number, words).map_err(|found| {
-        let reason = match found.word.as_str() {
-            "" => found.reason.clone(),
-            word => format!("{word}: {}", found.reason),
-        };
-        (fault::number(&found), reason)
+        let number = fault::number(found.kind);
+        match found.fault {
+            PathFault { word, reason, .. } if word.is_empty() => (number, reason),
+            PathFault { word, reason, .. } => (number, format!("{word}: {reason}")),
+        }
     })?;
     let number_of = |letter: char| words.split(letter).skip(1);
     if let Some(letter) = ['S', 'T']

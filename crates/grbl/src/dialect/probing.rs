@@ -59,13 +59,15 @@ impl Dialect {
             self.wait = Some(Wait::Stand);
             return;
         }
+        if !line.motion.contains(['X', 'Y', 'Z', 'A']) {
+            return self.refuse(fault::NO_AXES, "G38 needs an axis word: X, Y or A");
+        }
         let mut trial = self.interpreter.clone();
         let work = match trial.line(self.line, &line.motion) {
             Ok(work) => work,
             Err(found) => {
-                let number = fault::number(&found);
                 self.message(&format!("line {found}"));
-                return self.error(number);
+                return self.error(fault::number(found.kind));
             }
         };
         let element = match work.elements.as_slice() {
@@ -74,9 +76,9 @@ impl Dialect {
                     Ok(()) => *element,
                     Err(reason) => return self.refuse(fault::TRAVEL, &reason),
                 },
-                _ => return self.refuse(fault::PROBE, "G38 needs a straight motion"),
+                _ => return self.refuse(fault::TARGET, "G38 needs a straight motion"),
             },
-            _ => return self.refuse(fault::PROBE, "G38 needs a straight motion with a length"),
+            _ => return self.refuse(fault::TARGET, "G38 needs a straight motion with a length"),
         };
         self.interpreter = trial;
         self.owes_ok = true;

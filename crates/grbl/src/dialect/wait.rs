@@ -61,7 +61,8 @@ impl Dialect {
                 self.waited_in_vain(&act);
                 return false;
             }
-            Wait::Stand if is_empty => {
+            // Of a machine that is lost nothing is known: the lines are refused.
+            Wait::Stand if is_empty || view.phase == MachinePhase::Lost => {
                 self.interpreter.set_place(view.place);
                 None
             }

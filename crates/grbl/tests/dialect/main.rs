@@ -4,4 +4,6 @@ mod alarms;
 mod damaged;
 mod held;
 mod machine;
+mod replies;
 mod sessions;
+mod table;

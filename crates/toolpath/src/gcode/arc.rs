@@ -11,7 +11,7 @@ const RADIUS_SLACK_M: f64 = 5e-6;
 const RADIUS_MOST_M: f64 = 0.5e-3;
 /// Between the two: greatest ratio of the difference to the radius. Figure of GRBL and of LinuxCNC.
 const RADIUS_RATIO: f64 = 1e-3;
-/// Smallest radius, m.
+/// Smallest radius, m. An arc with a smaller one is the straight line to its end.
 const SMALLEST_M: f64 = 1e-6;
 /// An arc that is so short is a whole turn, rad. Figure of GRBL.
 const CLOSED_RAD: f64 = 5e-7;
@@ -51,8 +51,6 @@ pub(super) struct ArcPart {
 /// Refusal of an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum ArcFault {
-    /// Start or end in the centre.
-    NoRadius,
     /// Radii at the start and at the end, m.
     RadiiDiffer(f64, f64),
     /// Two radii are shorter than the distance, m.
@@ -93,7 +91,7 @@ pub(super) fn in_turns(start: [f64; 2], arcs: Vec<ArcPart>) -> Vec<ArcPart> {
     parts
 }
 
-/// Arc about a centre, going round `whole_turns` more times.
+/// Arc about a centre, going round `whole_turns` more times. Without parts, if it has no radius.
 pub(super) fn about(
     start: [f64; 2],
     end: [f64; 2],
@@ -103,12 +101,12 @@ pub(super) fn about(
 ) -> Result<Vec<ArcPart>, ArcFault> {
     let (from, to) = (minus(start, centre), minus(end, centre));
     let (r0, r1) = (length(from), length(to));
-    if r0.min(r1) < SMALLEST_M {
-        return Err(ArcFault::NoRadius);
-    }
     let difference = (r0 - r1).abs();
     if difference > RADIUS_MOST_M || difference > RADIUS_SLACK_M.max(RADIUS_RATIO * r0.max(r1)) {
         return Err(ArcFault::RadiiDiffer(r0, r1));
+    }
+    if r0.min(r1) < SMALLEST_M {
+        return Ok(Vec::new());
     }
     let sign = direction.sign();
     let rounds = sign * TAU * whole_turns;
@@ -149,7 +147,7 @@ pub(super) fn about(
     ))
 }
 
-/// Arc with a radius, m; a negative one takes the long way.
+/// Arc with a radius, m; a negative one takes the long way. Without parts, if it has no radius.
 pub(super) fn with_radius(
     start: [f64; 2],
     end: [f64; 2],
@@ -159,15 +157,15 @@ pub(super) fn with_radius(
 ) -> Result<Vec<ArcPart>, ArcFault> {
     let chord = minus(end, start);
     let half = 0.5 * length(chord);
-    if radius.abs() < SMALLEST_M {
-        return Err(ArcFault::NoRadius);
-    }
     if 2.0 * half < ONE_POINT_M {
         return Err(ArcFault::OnePoint);
     }
     let short = half - radius.abs();
     if short > RADIUS_MOST_M || short > RADIUS_SLACK_M.max(RADIUS_RATIO * half) {
         return Err(ArcFault::TooFar(2.0 * half));
+    }
+    if radius.abs() < SMALLEST_M {
+        return Ok(Vec::new());
     }
     // Product of sum and difference: no square is lost where the chord is nearly a diameter.
     let height = ((radius.abs() + half) * (radius.abs() - half))

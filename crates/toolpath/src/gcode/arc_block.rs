@@ -2,8 +2,9 @@
 use super::arc::{self, ArcFault, ArcPart, Direction};
 use super::block::ValueWord;
 use super::motion::ToolUse;
+use super::refusal::{GcodeRefusal, RefusalKind};
 use super::run::LineRun;
-use crate::{PathFault, ToolCurve, ToolMotion, ToolPlace};
+use crate::{ToolCurve, ToolMotion, ToolPlace};
 
 /// Most turns of an arc: a line of a file has bounded memory.
 const TURNS_MAX: f64 = 1000.0;
@@ -18,19 +19,25 @@ struct ArcWords<'t> {
 
 impl<'t> LineRun<'_, 't> {
     /// Arc to the goal, in one motion or a few.
-    pub(super) fn arc(&mut self, goal: ToolPlace, direction: Direction) -> Result<(), PathFault> {
+    pub(super) fn arc(
+        &mut self,
+        goal: ToolPlace,
+        direction: Direction,
+    ) -> Result<(), GcodeRefusal> {
         let whole_turns = match self.block.value(b'P') {
             Some(word) if word.value > TURNS_MAX => {
                 let reason = format!(
                     "an arc has at most {TURNS_MAX} turns: write several of them, or play the job with --repeat"
                 );
-                return Err(self.block.refuse(word.text, &reason));
+                return Err(self.block.refuse(RefusalKind::TooLarge, word.text, &reason));
             }
             Some(word) if word.value >= 1.0 && word.value.fract() == 0.0 => word.value - 1.0,
             Some(word) => {
-                return Err(self
-                    .block
-                    .refuse(word.text, "P of an arc is a whole number of turns from 1"));
+                return Err(self.block.refuse(
+                    RefusalKind::Unused,
+                    word.text,
+                    "P of an arc is a whole number of turns from 1",
+                ));
             }
             None => 0.0,
         };
@@ -40,8 +47,14 @@ impl<'t> LineRun<'_, 't> {
             whole_turns,
             radius: self.block.value(b'R'),
         };
+        self.need_feed()?;
         let start = self.state.place;
-        let parts = arc::in_turns(start.position_m, self.arc_parts(start, &words)?);
+        let parts = self.arc_parts(start, &words)?;
+        if parts.is_empty() {
+            // All of it lies within the smallest radius.
+            return self.line(goal);
+        }
+        let parts = arc::in_turns(start.position_m, parts);
         let feed = self.feed_of(arc::way(&parts))?;
         let last = parts.len().saturating_sub(1);
         for (
@@ -81,7 +94,11 @@ impl<'t> LineRun<'_, 't> {
         Ok(())
     }
 
-    fn arc_parts(&self, start: ToolPlace, words: &ArcWords<'t>) -> Result<Vec<ArcPart>, PathFault> {
+    fn arc_parts(
+        &self,
+        start: ToolPlace,
+        words: &ArcWords<'t>,
+    ) -> Result<Vec<ArcPart>, GcodeRefusal> {
         let ArcWords {
             goal,
             direction,
@@ -93,14 +110,18 @@ impl<'t> LineRun<'_, 't> {
         let (from, to) = (start.position_m, goal.position_m);
         let parts = match (radius, i.or(j)) {
             (Some(word), Some(_)) => {
-                return Err(self
-                    .block
-                    .refuse(word.text, "an arc has R, or I and J, not both"));
+                return Err(self.block.refuse(
+                    RefusalKind::Unused,
+                    word.text,
+                    "an arc has R, or I and J, not both",
+                ));
             }
             (None, None) => {
-                return Err(self
-                    .block
-                    .refuse("", "the arc has no centre; give I and J, or R"));
+                return Err(self.block.refuse(
+                    RefusalKind::NoCentre,
+                    "",
+                    "the arc has no centre; give I and J, or R",
+                ));
             }
             (Some(word), None) => arc::with_radius(
                 from,
@@ -115,9 +136,11 @@ impl<'t> LineRun<'_, 't> {
                 } else if i.is_some() && j.is_some() {
                     self.state.frames.zero(self.state.modal.origin).position_m
                 } else {
-                    return Err(self
-                        .block
-                        .refuse(word.text, "with G90.1 an arc needs both I and J"));
+                    return Err(self.block.refuse(
+                        RefusalKind::NoCentre,
+                        word.text,
+                        "with G90.1 an arc needs both I and J",
+                    ));
                 };
                 let metres = |word: Option<ValueWord<'_>>| {
                     word.map_or(0.0, |word| unit.to_metres(word.value))
@@ -133,15 +156,19 @@ impl<'t> LineRun<'_, 't> {
         };
         parts.map_err(|fault| {
             let word = radius.or(i).or(j).map_or("", |word| word.text);
-            self.block.refuse(word, &arc_reason(fault))
+            let (kind, reason) = arc_reason(fault);
+            self.block.refuse(kind, word, &reason)
         })
     }
 }
 
-fn arc_reason(fault: ArcFault) -> String {
+fn arc_reason(fault: ArcFault) -> (RefusalKind, String) {
     let mm = |metres: f64| metres * 1000.0;
-    match fault {
-        ArcFault::NoRadius => "the radius of the arc is below 0.001 mm".to_owned(),
+    let kind = match fault {
+        ArcFault::RadiiDiffer(..) | ArcFault::OnePoint => RefusalKind::ArcTarget,
+        ArcFault::TooFar(_) => RefusalKind::ArcRadius,
+    };
+    let reason = match fault {
         ArcFault::RadiiDiffer(start, end) => format!(
             "the radius is {:.4} mm at the start and {:.4} mm at the end of the arc; they may differ by 0.005 mm or \
              by 0.1 %, and by 0.5 mm at most",
@@ -157,5 +184,6 @@ fn arc_reason(fault: ArcFault) -> String {
         ArcFault::OnePoint => {
             "the arc ends where it starts; give I and J for a whole circle".to_owned()
         }
-    }
+    };
+    (kind, reason)
 }

@@ -1,8 +1,9 @@
 //! Axis words of a block, and the places that they give.
 use super::block::ValueWord;
 use super::frames::{AXES, axes, place};
+use super::refusal::{GcodeRefusal, RefusalKind};
 use super::run::LineRun;
-use crate::{PathFault, ToolPlace};
+use crate::ToolPlace;
 
 /// Farthest coordinate, m and rad. Sums of words in G91 have no bound of their own.
 const FARTHEST: f64 = 1e6;
@@ -17,11 +18,11 @@ pub(super) struct AxisWords<'t> {
 
 impl<'t> LineRun<'_, 't> {
     /// Collects the axis words. Refuses Z unless the setup ignores it.
-    pub(super) fn axis_words(&self) -> Result<AxisWords<'t>, PathFault> {
+    pub(super) fn axis_words(&self) -> Result<AxisWords<'t>, GcodeRefusal> {
         let z = self.block.value(b'Z');
         if let (Some(z), false) = (z, self.fixed.ignore_z) {
             let reason = "the machine has no Z; switch the laser with M3, M4 and M5, or let the setup ignore Z";
-            return Err(self.block.refuse(z.text, reason));
+            return Err(self.block.refuse(RefusalKind::Unsupported, z.text, reason));
         }
         let words = AXES.map(|letter| self.block.value(letter));
         Ok(AxisWords {
@@ -31,13 +32,15 @@ impl<'t> LineRun<'_, 't> {
     }
 
     /// Refuses a code without axis words.
-    pub(super) fn need_axes(&self, words: &AxisWords<'t>, code: &str) -> Result<(), PathFault> {
+    pub(super) fn need_axes(&self, words: &AxisWords<'t>, code: &str) -> Result<(), GcodeRefusal> {
         if words.any {
             return Ok(());
         }
-        Err(self
-            .block
-            .refuse(code, "the code needs an axis word: X, Y or A"))
+        Err(self.block.refuse(
+            RefusalKind::NoAxes,
+            code,
+            "the code needs an axis word: X, Y or A",
+        ))
     }
 
     /// Goal in the fixed frame. Axes without a word keep their place.
@@ -45,7 +48,7 @@ impl<'t> LineRun<'_, 't> {
         &self,
         words: &AxisWords<'t>,
         fixed_frame: bool,
-    ) -> Result<ToolPlace, PathFault> {
+    ) -> Result<ToolPlace, GcodeRefusal> {
         let at = axes(self.state.place);
         let zero = match fixed_frame {
             true => [0.0; 3],
@@ -59,13 +62,13 @@ impl<'t> LineRun<'_, 't> {
     }
 
     /// Refuses a motion that is absurdly far away, or not a number.
-    pub(super) fn near(&self, goal: ToolPlace) -> Result<ToolPlace, PathFault> {
+    pub(super) fn near(&self, goal: ToolPlace) -> Result<ToolPlace, GcodeRefusal> {
         let near = |place| axes(place).iter().all(|value| value.abs() <= FARTHEST);
         if near(goal) && near(self.state.place) {
             return Ok(goal);
         }
         let reason = "the motion is beyond 1,000 km; check the place and the zero points that the machine reports";
-        Err(self.block.refuse("", reason))
+        Err(self.block.refuse(RefusalKind::TooLarge, "", reason))
     }
 
     /// Place with the named axes replaced. `replace` gets the axis and the word in metres or radians.

@@ -1,7 +1,7 @@
 //! Words of one line, each at most once, codes of one modal group at most once.
 use super::codes::{self, GeneralCode, MiscCode};
-use super::text::refusal;
-use crate::PathFault;
+use super::modal::MotionMode;
+use super::refusal::{GcodeRefusal, RefusalKind, refusal};
 
 /// Greatest absolute value of a word.
 const GREATEST: f64 = 1e6;
@@ -56,21 +56,41 @@ impl<'a> Block<'a> {
     }
 
     /// Adds a word. Refuses unknown letters and codes, a second word of a letter or group, and absurd values.
-    pub(super) fn add(&mut self, text: &'a str) -> Result<(), PathFault> {
+    pub(super) fn add(&mut self, text: &'a str) -> Result<(), GcodeRefusal> {
         let letter = text.as_bytes().first().map_or(0, u8::to_ascii_uppercase);
         let digits = text.get(1..).unwrap_or_default();
         match letter {
             b'G' => {
                 let tenths = self.tenths(text, digits)?;
-                let code = codes::general(tenths).map_err(|reason| self.refuse(text, reason))?;
-                self.take_group(codes::group(code), text)?;
+                let code = codes::general(tenths)
+                    .map_err(|reason| self.refuse(no_code(tenths), text, reason))?;
+                let is_second =
+                    takes_axes(code) && self.general().any(|word| takes_axes(word.code));
+                let kind = match is_second {
+                    true => RefusalKind::AxisConflict,
+                    false => RefusalKind::ModalGroup,
+                };
+                self.take_group(codes::group(code), kind, text)?;
+                if is_second {
+                    let reason = "two codes take the axis words; put each into a line of its own";
+                    return Err(self.refuse(kind, text, reason));
+                }
                 put(&mut self.general, CodeWord { code, text });
             }
             b'M' => {
                 let tenths = self.tenths(text, digits)?;
-                let code =
-                    codes::miscellaneous(tenths).map_err(|reason| self.refuse(text, reason))?;
-                self.take_group(codes::miscellaneous_group(code), text)?;
+                let code = codes::miscellaneous(tenths).map_err(|reason| {
+                    let kind = match tenths % 10 {
+                        0 => RefusalKind::Unsupported,
+                        _ => RefusalKind::NotWhole,
+                    };
+                    self.refuse(kind, text, reason)
+                })?;
+                self.take_group(
+                    codes::miscellaneous_group(code),
+                    RefusalKind::ModalGroup,
+                    text,
+                )?;
                 put(&mut self.miscellaneous, CodeWord { code, text });
             }
             letter => self.add_value(letter, digits, text)?,
@@ -100,34 +120,47 @@ impl<'a> Block<'a> {
     }
 
     /// Refusal of a word of this line.
-    pub(super) fn refuse(&self, word: &str, reason: &str) -> PathFault {
-        refusal(self.number, word, reason)
+    pub(super) fn refuse(&self, kind: RefusalKind, word: &str, reason: &str) -> GcodeRefusal {
+        refusal(kind, self.number, word, reason)
     }
 
-    fn add_value(&mut self, letter: u8, digits: &str, text: &'a str) -> Result<(), PathFault> {
+    fn add_value(&mut self, letter: u8, digits: &str, text: &'a str) -> Result<(), GcodeRefusal> {
         let Some(index) = LETTERS.iter().position(|l| *l == letter) else {
-            return Err(self.refuse(text, unknown_letter(letter)));
+            return Err(self.refuse(RefusalKind::Unsupported, text, unknown_letter(letter)));
         };
         let value = match digits.parse::<f64>() {
             // Also refuses what overflows to infinity.
             Ok(value) if value.abs() <= GREATEST => value,
-            Ok(_) => return Err(self.refuse(text, "the value is beyond 1,000,000")),
-            Err(_) => return Err(self.refuse(text, "this is not a number")),
+            Ok(_) => {
+                return Err(self.refuse(
+                    RefusalKind::TooLarge,
+                    text,
+                    "the value is beyond 1,000,000",
+                ));
+            }
+            Err(_) => return Err(self.refuse(RefusalKind::Number, text, "this is not a number")),
         };
         match self.values.get_mut(index) {
             Some(place @ None) => *place = Some(ValueWord { value, text }),
             _ => {
                 return Err(self.refuse(
+                    RefusalKind::Repeated,
                     text,
                     "the letter stands in the line already; use a line for each",
                 ));
             }
         }
+        if value < 0.0
+            && let Some(what) = not_negative(letter)
+        {
+            let reason = format!("{what} is not negative");
+            return Err(self.refuse(RefusalKind::Negative, text, &reason));
+        }
         Ok(())
     }
 
     /// Ten times the number of a code.
-    fn tenths(&self, text: &str, digits: &str) -> Result<u32, PathFault> {
+    fn tenths(&self, text: &str, digits: &str) -> Result<u32, GcodeRefusal> {
         let (whole, tenth) = digits.split_once('.').unwrap_or((digits, "0"));
         let number = match (whole.parse::<u32>(), tenth.as_bytes()) {
             (Ok(whole), [tenth @ b'0'..=b'9']) => whole
@@ -137,16 +170,23 @@ impl<'a> Block<'a> {
         };
         number.ok_or_else(|| {
             self.refuse(
+                RefusalKind::NotWhole,
                 text,
                 "codes are whole numbers, or have one digit behind the point",
             )
         })
     }
 
-    fn take_group(&mut self, group: u32, text: &str) -> Result<(), PathFault> {
+    fn take_group(
+        &mut self,
+        group: u32,
+        kind: RefusalKind,
+        text: &str,
+    ) -> Result<(), GcodeRefusal> {
         let mask = 1 << group;
         if self.groups & mask != 0 {
             return Err(self.refuse(
+                kind,
                 text,
                 "the line has another code of the same modal group; use a line for each",
             ));
@@ -160,6 +200,36 @@ impl<'a> Block<'a> {
 fn put<T>(places: &mut [Option<T>], word: T) {
     if let Some(place) = places.iter_mut().find(|place| place.is_none()) {
         *place = Some(word);
+    }
+}
+
+/// Tells codes that the axis words of their line belong to.
+fn takes_axes(code: GeneralCode) -> bool {
+    match code {
+        GeneralCode::Motion(motion) => motion != MotionMode::None,
+        GeneralCode::Once(once) => once.takes_axes(),
+        _ => false,
+    }
+}
+
+/// Sense of a letter whose value is not negative.
+fn not_negative(letter: u8) -> Option<&'static str> {
+    Some(match letter {
+        b'F' => "a feed",
+        b'P' => "P: a time, a number or a tolerance",
+        b'S' => "a power",
+        _ => return None,
+    })
+}
+
+/// Kind of a G code that there is not, by ten times its number: a fraction that the code does not have, or no such code at all.
+fn no_code(tenths: u32) -> RefusalKind {
+    let whole = tenths / 10;
+    // Codes with fractions of their own, some of which are not supported.
+    let has_fractions = matches!(whole, 28 | 30 | 61 | 64 | 90 | 91 | 92);
+    match tenths % 10 != 0 && !has_fractions && codes::general(whole * 10).is_ok() {
+        true => RefusalKind::NotWhole,
+        false => RefusalKind::Unsupported,
     }
 }
 

@@ -63,7 +63,7 @@ impl<R: BufRead> GcodeFile<R> {
         let length = read.map_err(|error| refuse(format!("the line cannot be read: {error}")))?;
         if length == 0 {
             self.ended = true;
-            return self.interpreter.check_end();
+            return self.interpreter.check_end().map_err(|found| found.fault);
         }
         let text = match self.text.strip_suffix(b"\n") {
             Some(text) => text,
@@ -82,7 +82,10 @@ impl<R: BufRead> GcodeFile<R> {
         } else {
             text
         };
-        let work = self.interpreter.line(line, text)?;
+        let work = self
+            .interpreter
+            .line(line, text)
+            .map_err(|found| found.fault)?;
         self.ended = work.end.is_some();
         self.waiting = work.elements.into_iter();
         Ok(())

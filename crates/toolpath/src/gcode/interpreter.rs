@@ -3,11 +3,12 @@ use super::block::Block;
 use super::codes::ProgramEnd;
 use super::frames::WorkFrames;
 use super::modal::Modal;
+use super::refusal::{GcodeRefusal, RefusalKind, refusal};
 use super::run::LineRun;
 use super::setup::GcodeSetup;
-use super::text::{LineKind, plain, refusal};
+use super::text::{LineKind, plain};
 use super::words;
-use crate::{Element, PathFault, ToolPlace};
+use crate::{Element, ToolPlace};
 
 /// Reason to refuse an output that waits for a motion which does not come.
 pub(super) const NO_MOTION: &str =
@@ -97,7 +98,7 @@ impl Interpreter {
     /// # Errors
     ///
     /// Refuses a line with anything that is not supported, see the module's table. A refused line changes nothing.
-    pub fn line(&mut self, number: u32, text: &str) -> Result<LineWork, PathFault> {
+    pub fn line(&mut self, number: u32, text: &str) -> Result<LineWork, GcodeRefusal> {
         // The text leaves the interpreter while its words are borrowed.
         let mut scratch = std::mem::take(&mut self.scratch);
         let work = self.line_with(number, text, &mut scratch);
@@ -144,9 +145,9 @@ impl Interpreter {
     }
 
     /// Refuses the end of a program in which an M62 or M63 waits for a motion: it would have no effect.
-    pub(super) fn check_end(&self) -> Result<(), PathFault> {
+    pub(super) fn check_end(&self) -> Result<(), GcodeRefusal> {
         match self.state.waiting {
-            Some(line) => Err(refusal(line, "", NO_MOTION)),
+            Some(line) => Err(refusal(RefusalKind::Unsupported, line, "", NO_MOTION)),
             None => Ok(()),
         }
     }
@@ -161,7 +162,7 @@ impl Interpreter {
         number: u32,
         text: &str,
         scratch: &mut String,
-    ) -> Result<LineWork, PathFault> {
+    ) -> Result<LineWork, GcodeRefusal> {
         let line = plain(number, text, scratch)?;
         let mut work = LineWork {
             message: line.message,
@@ -188,7 +189,7 @@ impl Interpreter {
     }
 
     /// Runs a block on a copy of the state, which stays only if the whole block holds.
-    fn block(&mut self, block: &Block<'_>, work: &mut LineWork) -> Result<(), PathFault> {
+    fn block(&mut self, block: &Block<'_>, work: &mut LineWork) -> Result<(), GcodeRefusal> {
         let mut run = LineRun::new(block, self.fixed, self.state.clone());
         run.block()?;
         (self.state, work.elements, work.end) = run.done();

@@ -4,8 +4,9 @@ use super::axis_words::AxisWords;
 use super::codes::OnceCode;
 use super::frames::{axes, place};
 use super::modal::{FeedMode, MotionMode, PathMode};
+use super::refusal::{GcodeRefusal, RefusalKind};
 use super::run::LineRun;
-use crate::{Act, PathFault, ToolCurve, ToolMotion, ToolPlace};
+use crate::{Act, ToolCurve, ToolMotion, ToolPlace};
 
 /// A motion that goes less far, m and rad, is none.
 const STAND: f64 = 1e-12;
@@ -14,7 +15,11 @@ const SLOWEST_M_S: f64 = 1e-9;
 
 impl<'t> LineRun<'_, 't> {
     /// Motion of the block, if it has axis words or is a whole circle.
-    pub(super) fn motion(&mut self, words: &AxisWords<'t>, named: bool) -> Result<(), PathFault> {
+    pub(super) fn motion(
+        &mut self,
+        words: &AxisWords<'t>,
+        named: bool,
+    ) -> Result<(), GcodeRefusal> {
         let mode = self.state.modal.motion;
         let fixed_frame = self.once == Some(OnceCode::FixedFrame);
         if fixed_frame {
@@ -31,18 +36,25 @@ impl<'t> LineRun<'_, 't> {
                 b"IJR".iter().find_map(|letter| self.block.value(*letter)),
                 direction,
             ) {
-                (Some(word), Some(_)) => Err(self
-                    .block
-                    .refuse(word.text, "the arc has no end; give X, Y, or G2 or G3")),
+                (Some(word), Some(_)) => Err(self.block.refuse(
+                    RefusalKind::Unused,
+                    word.text,
+                    "the arc has no end; give X, Y, or G2 or G3",
+                )),
                 // G0 and G1 alone set the mode.
                 _ => Ok(()),
             };
+        }
+        if let (false, Some(radius)) = (words.any, self.block.value(b'R')) {
+            let reason = "an arc with R ends elsewhere; give X, Y, or I and J for a whole circle";
+            return Err(self.block.refuse(RefusalKind::NoAxes, radius.text, reason));
         }
         let goal = self.goal(words, fixed_frame)?;
         match (mode, direction) {
             (MotionMode::Rapid, _) => self.rapid(goal),
             (_, Some(direction)) => self.arc(goal, direction),
             (MotionMode::None, _) => Err(self.block.refuse(
+                RefusalKind::NoMotionMode,
                 "",
                 "the axis words have no motion code; give G0, G1, G2 or G3",
             )),
@@ -51,9 +63,10 @@ impl<'t> LineRun<'_, 't> {
     }
 
     /// G28: rapids to the intermediate point and home. With axis words, only the axes that are named go home.
-    pub(super) fn home(&mut self, words: &AxisWords<'t>) -> Result<(), PathFault> {
+    pub(super) fn home(&mut self, words: &AxisWords<'t>) -> Result<(), GcodeRefusal> {
         let Some(home) = self.fixed.home else {
             return Err(self.block.refuse(
+                RefusalKind::Unsupported,
                 "G28",
                 "the setup has no home place; set it, or use G53 G0 with coordinates",
             ));
@@ -72,23 +85,28 @@ impl<'t> LineRun<'_, 't> {
         self.rapid(self.near(place(goal))?)
     }
 
-    fn check_fixed_frame(&self, words: &AxisWords<'t>) -> Result<(), PathFault> {
-        self.need_axes(words, "G53")?;
+    fn check_fixed_frame(&self, words: &AxisWords<'t>) -> Result<(), GcodeRefusal> {
         if !matches!(
             self.state.modal.motion,
             MotionMode::Rapid | MotionMode::Line
         ) {
-            return Err(self.block.refuse("G53", "the code needs G0 or G1"));
+            return Err(self.block.refuse(
+                RefusalKind::FixedFrame,
+                "G53",
+                "the code needs G0 or G1",
+            ));
         }
         if self.state.modal.incremental {
-            return Err(self
-                .block
-                .refuse("G53", "the code needs absolute coordinates: G90"));
+            return Err(self.block.refuse(
+                RefusalKind::FixedFrame,
+                "G53",
+                "the code needs absolute coordinates: G90",
+            ));
         }
-        Ok(())
+        self.need_axes(words, "G53")
     }
 
-    fn rapid(&mut self, goal: ToolPlace) -> Result<(), PathFault> {
+    fn rapid(&mut self, goal: ToolPlace) -> Result<(), GcodeRefusal> {
         let stops = self.stops();
         self.go(
             ToolMotion {
@@ -102,7 +120,7 @@ impl<'t> LineRun<'_, 't> {
         Ok(())
     }
 
-    fn line(&mut self, goal: ToolPlace) -> Result<(), PathFault> {
+    pub(super) fn line(&mut self, goal: ToolPlace) -> Result<(), GcodeRefusal> {
         let way = distance(self.state.place, goal);
         let feed = self.feed_of(way)?;
         let stops = self.stops();
@@ -128,26 +146,38 @@ impl<'t> LineRun<'_, 't> {
     }
 
     /// Feed of a motion of such a length, m/s.
-    pub(super) fn feed_of(&self, way_m: f64) -> Result<Option<f64>, PathFault> {
+    pub(super) fn feed_of(&self, way_m: f64) -> Result<Option<f64>, GcodeRefusal> {
+        self.need_feed()?;
         let feed = match (self.state.modal.feed_mode, self.inverse_time) {
-            (FeedMode::PerMinute, _) => self
-                .state
-                .modal
-                .feed_m_s
-                .ok_or("no feed is set; give F before the motion or in it"),
             (FeedMode::InverseTime, Some(_)) if way_m <= STAND => return Ok(None),
-            (FeedMode::InverseTime, Some(per_minute)) => Ok(way_m * per_minute / 60.0),
-            (FeedMode::InverseTime, None) => {
-                Err("with G93 each motion at the feed needs a positive F in its line")
-            }
+            (FeedMode::InverseTime, per_minute) => per_minute.map(|rate| way_m * rate / 60.0),
+            (FeedMode::PerMinute, _) => self.state.modal.feed_m_s,
         };
         match feed {
-            Ok(feed) if feed >= SLOWEST_M_S => Ok(Some(feed)),
-            Ok(_) => Err(self.block.refuse(
+            Some(feed) if feed < SLOWEST_M_S => Err(self.block.refuse(
+                RefusalKind::NoFeed,
                 self.feed_word(),
                 "the feed is below a nanometre per second; give a greater F",
             )),
-            Err(reason) => Err(self.block.refuse("", reason)),
+            feed => Ok(feed),
+        }
+    }
+
+    /// Refuses a motion at the feed without one.
+    pub(super) fn need_feed(&self) -> Result<(), GcodeRefusal> {
+        let (feed, reason) = match self.state.modal.feed_mode {
+            FeedMode::PerMinute => (
+                self.state.modal.feed_m_s,
+                "no feed is set; give F before the motion or in it",
+            ),
+            FeedMode::InverseTime => (
+                self.inverse_time,
+                "with G93 each motion at the feed needs a positive F in its line",
+            ),
+        };
+        match feed {
+            Some(_) => Ok(()),
+            None => Err(self.block.refuse(RefusalKind::NoFeed, "", reason)),
         }
     }
 

@@ -3,8 +3,8 @@ use super::block::{Block, ValueWord};
 use super::codes::{GeneralCode, MiscCode, OnceCode, ProgramEnd};
 use super::interpreter::{FixedSetup, GcodeState, NO_MOTION};
 use super::modal::{FeedMode, LaserMode, Modal, MotionMode, PathMode};
-use super::text::refusal;
-use crate::{Act, Element, InputAct, InputChange, OutputAct, PathFault, ToolPlace, ToolWork};
+use super::refusal::{GcodeRefusal, RefusalKind, refusal};
+use crate::{Act, Element, InputAct, InputChange, OutputAct, ToolPlace, ToolWork};
 
 /// M62 to M65 of a block.
 #[derive(Clone, Copy)]
@@ -59,10 +59,9 @@ impl<'b, 't> LineRun<'b, 't> {
     }
 
     /// Carries the block out: modes, then F, S, T, laser, outputs, inputs, dwell, coordinate systems, motion, and the end.
-    pub(super) fn block(&mut self) -> Result<(), PathFault> {
+    pub(super) fn block(&mut self) -> Result<(), GcodeRefusal> {
         self.state.begun = true;
         self.modes();
-        self.check_uses()?;
         self.feed()?;
         self.power()?;
         self.tool()?;
@@ -81,13 +80,14 @@ impl<'b, 't> LineRun<'b, 't> {
         if !self.once.is_some_and(OnceCode::takes_axes) {
             self.motion(&axes, self.named.is_some())?;
         }
+        self.check_uses()?;
         if self.pause {
             // The tool is off while the machine waits: a laser that stands burns.
             self.push(None, Act::Pause);
         }
         if self.end.is_some() {
             if let Some(line) = self.state.waiting {
-                return Err(refusal(line, "", NO_MOTION));
+                return Err(refusal(RefusalKind::Unsupported, line, "", NO_MOTION));
             }
             self.end_program();
         }
@@ -174,13 +174,10 @@ impl<'b, 't> LineRun<'b, 't> {
         }
     }
 
-    fn feed(&mut self) -> Result<(), PathFault> {
+    fn feed(&mut self) -> Result<(), GcodeRefusal> {
         let Some(word) = self.block.value(b'F') else {
             return Ok(());
         };
-        if word.value < 0.0 {
-            return Err(self.block.refuse(word.text, "a feed is not negative"));
-        }
         // F0 takes the feed away: the next motion at the feed is refused.
         let feed = (word.value > 0.0).then_some(word.value);
         match self.state.modal.feed_mode {
@@ -193,24 +190,23 @@ impl<'b, 't> LineRun<'b, 't> {
         Ok(())
     }
 
-    fn power(&mut self) -> Result<(), PathFault> {
+    fn power(&mut self) -> Result<(), GcodeRefusal> {
         let Some(word) = self.block.value(b'S') else {
             return Ok(());
         };
         let full = self.fixed.full_power;
         if !(full > 0.0 && full.is_finite()) {
-            return Err(self
-                .block
-                .refuse(word.text, "the setup has no positive full power; set it"));
-        }
-        if word.value < 0.0 {
-            return Err(self.block.refuse(word.text, "a power is not negative"));
+            return Err(self.block.refuse(
+                RefusalKind::Unsupported,
+                word.text,
+                "the setup has no positive full power; set it",
+            ));
         }
         self.state.modal.s = word.value.min(full);
         Ok(())
     }
 
-    fn tool(&mut self) -> Result<(), PathFault> {
+    fn tool(&mut self) -> Result<(), GcodeRefusal> {
         let Some(word) = self.block.value(b'T') else {
             return Ok(());
         };
@@ -218,30 +214,29 @@ impl<'b, 't> LineRun<'b, 't> {
             0.0 => 0,
             1.0 => 1,
             _ => {
-                return Err(self
-                    .block
-                    .refuse(word.text, "the machine has one tool: T0 or T1"));
+                return Err(self.block.refuse(
+                    RefusalKind::Unsupported,
+                    word.text,
+                    "the machine has one tool: T0 or T1",
+                ));
             }
         };
         Ok(())
     }
 
     /// P of G64.
-    fn tolerance(&mut self) -> Result<(), PathFault> {
+    fn tolerance(&mut self) -> Result<(), GcodeRefusal> {
         if !self.blend {
             return Ok(());
         }
         if let Some(word) = self.block.value(b'P') {
-            if word.value < 0.0 {
-                return Err(self.block.refuse(word.text, "a tolerance is not negative"));
-            }
             self.state.modal.blend_m = Some(self.state.modal.unit.to_metres(word.value));
         }
         Ok(())
     }
 
     /// M62 to M65.
-    fn output(&mut self) -> Result<(), PathFault> {
+    fn output(&mut self) -> Result<(), GcodeRefusal> {
         let Some(OutputCode {
             on,
             with_motion,
@@ -252,7 +247,7 @@ impl<'b, 't> LineRun<'b, 't> {
         };
         let Some(word) = self.block.value(b'P') else {
             let reason = "an output needs P with its number";
-            return Err(self.block.refuse(text, reason));
+            return Err(self.block.refuse(RefusalKind::MissingWord, text, reason));
         };
         let index = self.pin(word, self.fixed.outputs, "output")?;
         if with_motion {
@@ -272,12 +267,12 @@ impl<'b, 't> LineRun<'b, 't> {
     }
 
     /// M66.
-    fn input(&mut self) -> Result<(), PathFault> {
+    fn input(&mut self) -> Result<(), GcodeRefusal> {
         let Some(text) = self.input else {
             return Ok(());
         };
         let [number, change, timeout] = [b'P', b'L', b'Q'].map(|letter| self.block.value(letter));
-        let missing = |reason| self.block.refuse(text, reason);
+        let missing = |reason| self.block.refuse(RefusalKind::MissingWord, text, reason);
         let number = number.ok_or_else(|| missing("a wait needs P with the number of an input"))?;
         let change = change.ok_or_else(|| {
             missing(
@@ -291,18 +286,24 @@ impl<'b, 't> LineRun<'b, 't> {
             4.0 => InputChange::Low,
             0.0 => {
                 let reason = "no parameter takes the level of an input; L1 to L4 wait for one";
-                return Err(self.block.refuse(change.text, reason));
+                return Err(self
+                    .block
+                    .refuse(RefusalKind::Unsupported, change.text, reason));
             }
             _ => {
                 let reason = "the wait ends with L1, the input goes on, L2, off, L3, it is on, or L4, is off";
-                return Err(self.block.refuse(change.text, reason));
+                return Err(self
+                    .block
+                    .refuse(RefusalKind::Unsupported, change.text, reason));
             }
         };
         let timeout =
             timeout.ok_or_else(|| missing("a wait needs Q with the seconds that it may last"))?;
         if timeout.value <= 0.0 {
             let reason = "the seconds of a wait are positive";
-            return Err(self.block.refuse(timeout.text, reason));
+            return Err(self
+                .block
+                .refuse(RefusalKind::Unsupported, timeout.text, reason));
         }
         let index = self.pin(number, self.fixed.inputs, "input")?;
         // The tool is off while the machine waits: a laser that stands burns.
@@ -318,7 +319,7 @@ impl<'b, 't> LineRun<'b, 't> {
     }
 
     /// Number of a spare output or input in a word; `count` is how many there are, `kind` which.
-    fn pin(&self, word: ValueWord<'_>, count: u8, kind: &str) -> Result<u8, PathFault> {
+    fn pin(&self, word: ValueWord<'_>, count: u8, kind: &str) -> Result<u8, GcodeRefusal> {
         (0..count)
             .find(|number| f64::from(*number) == word.value)
             .ok_or_else(|| {
@@ -329,17 +330,19 @@ impl<'b, 't> LineRun<'b, 't> {
                         count - 1
                     ),
                 };
-                self.block.refuse(word.text, &reason)
+                self.block
+                    .refuse(RefusalKind::Unsupported, word.text, &reason)
             })
     }
 
-    fn dwell(&mut self) -> Result<(), PathFault> {
+    fn dwell(&mut self) -> Result<(), GcodeRefusal> {
         let Some(word) = self.block.value(b'P') else {
-            return Err(self.block.refuse("G4", "a dwell needs P with its seconds"));
+            return Err(self.block.refuse(
+                RefusalKind::MissingWord,
+                "G4",
+                "a dwell needs P with its seconds",
+            ));
         };
-        if word.value < 0.0 {
-            return Err(self.block.refuse(word.text, "a dwell is not negative"));
-        }
         if word.value > 0.0 {
             let tool = self.tool_at_rest();
             self.push(

@@ -1,5 +1,5 @@
 //! First look at a line: comments, white space, checksum, block delete and `%` are taken off.
-use crate::PathFault;
+use super::refusal::{GcodeRefusal, RefusalKind, refusal};
 
 /// Greatest length of a line, bytes, without its end.
 pub(super) const LONGEST: usize = 1000;
@@ -25,12 +25,18 @@ pub(super) enum LineKind {
 }
 
 /// Takes a line apart. Words go to `words`, which is cleared before, without the white space between and in them.
-pub(super) fn plain(number: u32, text: &str, words: &mut String) -> Result<PlainLine, PathFault> {
+pub(super) fn plain(
+    number: u32,
+    text: &str,
+    words: &mut String,
+) -> Result<PlainLine, GcodeRefusal> {
     words.clear();
-    let refuse = |word: &str, reason: &str| refusal(number, word, reason);
+    let refuse = |word: &str, reason: &str| refusal(RefusalKind::Letter, number, word, reason);
     let text = text.strip_suffix('\r').unwrap_or(text);
     if text.len() > LONGEST {
-        return Err(refuse(
+        return Err(refusal(
+            RefusalKind::TooLong,
+            number,
             "",
             "the line is longer than 1,000 bytes; break it into several",
         ));
@@ -76,20 +82,6 @@ pub(super) fn plain(number: u32, text: &str, words: &mut String) -> Result<Plain
     }
     let kind = kind(words).map_err(|reason| refuse(words, reason))?;
     Ok(PlainLine { kind, message })
-}
-
-/// Refusal of a word. A word longer than 40 characters is cut.
-pub(super) fn refusal(line: u32, word: &str, reason: &str) -> PathFault {
-    const MOST: usize = 40;
-    let word = match word.char_indices().nth(MOST) {
-        Some((end, _)) => format!("{}...", &word[..end]),
-        None => word.to_owned(),
-    };
-    PathFault {
-        line,
-        word,
-        reason: reason.to_owned(),
-    }
 }
 
 fn kind(words: &str) -> Result<LineKind, &'static str> {

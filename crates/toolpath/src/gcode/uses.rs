@@ -1,28 +1,19 @@
 //! Words and the codes of the block that use them.
 use super::block::ValueWord;
-use super::codes::{GeneralCode, OnceCode};
+use super::codes::OnceCode;
 use super::modal::MotionMode;
+use super::refusal::{GcodeRefusal, RefusalKind};
 use super::run::LineRun;
-use crate::PathFault;
 
 impl LineRun<'_, '_> {
     /// Refuses words that no code of the block uses, and those that two would use.
-    pub(super) fn check_uses(&self) -> Result<(), PathFault> {
-        let named = self
-            .block
-            .general()
-            .find(|word| matches!(word.code, GeneralCode::Motion(m) if m != MotionMode::None));
-        if let (Some(word), true) = (named, self.once.is_some_and(OnceCode::takes_axes)) {
-            let reason =
-                "G10, G28 and G92 take the axis words; put the motion into a line of its own";
-            return Err(self.block.refuse(word.text, reason));
-        }
+    pub(super) fn check_uses(&self) -> Result<(), GcodeRefusal> {
         let arc = matches!(
             self.state.modal.motion,
             MotionMode::Clockwise | MotionMode::Counterclockwise
         ) && !self.once.is_some_and(OnceCode::takes_axes);
         let refuse = |word: Option<ValueWord<'_>>, reason: &str| match word {
-            Some(word) => Err(self.block.refuse(word.text, reason)),
+            Some(word) => Err(self.block.refuse(RefusalKind::Unused, word.text, reason)),
             None => Ok(()),
         };
         if !arc {
@@ -33,8 +24,10 @@ impl LineRun<'_, '_> {
                 )?;
             }
         }
+        // Some programs write the third distance of the centre, which is 0 in the plane.
+        let is_in_plane = |word: &ValueWord<'_>| !(arc && word.value == 0.0);
         refuse(
-            self.block.value(b'K'),
+            self.block.value(b'K').filter(is_in_plane),
             "the centre of an arc lies in the plane: I and J alone",
         )?;
         if self.once != Some(OnceCode::SetOrigin) && self.input.is_none() {
@@ -44,10 +37,13 @@ impl LineRun<'_, '_> {
             )?;
         }
         if self.input.is_none() {
-            refuse(
-                self.block.value(b'Q'),
-                "the word needs M66 in its line; with G64 give P alone",
-            )?;
+            // No other code has such a letter.
+            let reason = "the word needs M66 in its line; with G64 give P alone";
+            if let Some(word) = self.block.value(b'Q') {
+                return Err(self
+                    .block
+                    .refuse(RefusalKind::Unsupported, word.text, reason));
+            }
         }
         let dwell_or_origin = matches!(self.once, Some(OnceCode::Dwell | OnceCode::SetOrigin));
         // A dwell under a modal arc has P for itself, unless there is an arc in its line.

@@ -3,8 +3,7 @@
 //! The parser goes on after what it does not understand. So every call of the parser must begin where the last one
 //! ended: a gap is refused. Values are read again from the text, because the parser has 32-bit floats.
 use super::block::Block;
-use super::text::refusal;
-use crate::PathFault;
+use super::refusal::{GcodeRefusal, RefusalKind, refusal};
 use gcode::core::{
     self as parser, BlockVisitor, CommandVisitor, ControlFlow, Diagnostics, Number, ProgramVisitor,
     Span, TokenType, Value,
@@ -13,8 +12,13 @@ use gcode::core::{
 /// Most digits of a code number. The parser multiplies the number by ten in 32 bits.
 const MOST_DIGITS: usize = 6;
 
+/// Greatest line number. Figure of GRBL.
+const GREATEST_LINE: u64 = 10_000_000;
+
 /// Reads the words of a line that has no white space and no comments.
-pub(super) fn read(number: u32, text: &str) -> Result<Block<'_>, PathFault> {
+pub(super) fn read(number: u32, text: &str) -> Result<Block<'_>, GcodeRefusal> {
+    check_line_number(number, text)?;
+    check_decimal_signs(number, text)?;
     check_code_numbers(number, text)?;
     let mut words = Words {
         text,
@@ -33,14 +37,78 @@ pub(super) fn read(number: u32, text: &str) -> Result<Block<'_>, PathFault> {
 }
 
 /// Refuses numbers of G, M and T that would overflow in the parser.
-fn check_code_numbers(number: u32, text: &str) -> Result<(), PathFault> {
+fn check_code_numbers(number: u32, text: &str) -> Result<(), GcodeRefusal> {
     for (at, _) in text.match_indices(is_code) {
         let word = word_at(text, at);
+        if word[1..].starts_with('-') && !text[at..].starts_with(['G', 'g', 'M', 'm']) {
+            let reason = "the number of a tool is not negative";
+            return Err(refusal(RefusalKind::Negative, number, word, reason));
+        }
         if word.len() > MOST_DIGITS + 1 {
-            return Err(refusal(number, word, "the number of a code is too long"));
+            return Err(refusal(
+                RefusalKind::Unsupported,
+                number,
+                word,
+                "the number of a code is too long",
+            ));
         }
     }
     Ok(())
+}
+
+/// Refuses a line number that is negative, or greater than GRBL's.
+fn check_line_number(number: u32, text: &str) -> Result<(), GcodeRefusal> {
+    let Some(digits) = text.strip_prefix(['N', 'n']) else {
+        return Ok(());
+    };
+    let word = word_at(text, 0);
+    if digits.starts_with('-') {
+        let reason = "a line number is not negative";
+        return Err(refusal(RefusalKind::Negative, number, word, reason));
+    }
+    let end = digits
+        .find(|c: char| !c.is_ascii_digit())
+        .unwrap_or(digits.len());
+    match digits[..end].parse::<u64>() {
+        Ok(value) if value <= GREATEST_LINE => Ok(()),
+        Err(_) if end == 0 => Ok(()),
+        _ => {
+            let reason = "a line number is 10,000,000 at most";
+            Err(refusal(RefusalKind::LineNumber, number, word, reason))
+        }
+    }
+}
+
+/// Refuses numbers with a comma, as many languages write them.
+fn check_decimal_signs(number: u32, text: &str) -> Result<(), GcodeRefusal> {
+    let Some(comma) = text.find(',') else {
+        return Ok(());
+    };
+    let in_number = |c: char| c.is_ascii_digit() || matches!(c, '.' | ',' | '+' | '-');
+    let start = text[..comma].trim_end_matches(in_number).len();
+    let letter = text[..start].char_indices().next_back();
+    let Some((start, _)) = letter.filter(|(_, letter)| letter.is_ascii_alphabetic()) else {
+        return Ok(());
+    };
+    let digits = text[start + 1..].split(|c| !in_number(c)).next();
+    let word = &text[start..=start + digits.unwrap_or_default().len()];
+    let (before, after) = word.split_once(',').unwrap_or_default();
+    if !before.contains(|c: char| c.is_ascii_digit())
+        && !after.contains(|c: char| c.is_ascii_digit())
+    {
+        return Ok(());
+    }
+    let reason = match word.contains('.') || after.contains(',') {
+        true => {
+            "a number has one decimal sign, a point, and nothing between its other digits".into()
+        }
+        false => format!("the decimal sign is a point, not a comma: {before}.{after}"),
+    };
+    let kind = match before.contains(|c: char| c.is_ascii_digit()) {
+        true => RefusalKind::Letter,
+        false => RefusalKind::Number,
+    };
+    Err(refusal(kind, number, word, &reason))
 }
 
 fn is_code(letter: char) -> bool {
@@ -64,15 +132,15 @@ struct Words<'a> {
     /// End of what is accounted for.
     at: usize,
     block: Block<'a>,
-    fault: Option<PathFault>,
+    fault: Option<GcodeRefusal>,
 }
 
 impl<'a> Words<'a> {
     /// Refuses the text from what is accounted for to `end`. The first refusal of a line stays.
-    fn refuse(&mut self, end: usize, reason: &str) {
+    fn refuse(&mut self, kind: RefusalKind, end: usize, reason: &str) {
         if self.fault.is_none() {
             let word = self.text.get(self.at..end).unwrap_or(self.text);
-            self.fault = Some(refusal(self.block.number, word, reason));
+            self.fault = Some(refusal(kind, self.block.number, word, reason));
         }
     }
 
@@ -106,13 +174,30 @@ impl<'a> Words<'a> {
         // The parser reports a code that is no number with a type that has no public name, so not to us.
         let word = word_at(self.text, self.at);
         if word.starts_with(is_code) {
+            let kind = match word.len() {
+                1 => RefusalKind::Number,
+                _ => RefusalKind::NotWhole,
+            };
             self.refuse(
+                kind,
                 self.at + word.len(),
                 "codes are whole numbers, or have one digit behind the point",
             );
         } else {
-            self.refuse(end.max(self.at), "the text is not understood; remove it");
+            self.refuse(
+                RefusalKind::Letter,
+                end.max(self.at),
+                "the text is not understood; remove it",
+            );
         }
+    }
+}
+
+/// Kind of a line number that does not stand first: a second one, or one that is out of place.
+fn line_number_kind(text: &str) -> RefusalKind {
+    match text.starts_with(['N', 'n']) {
+        true => RefusalKind::Repeated,
+        false => RefusalKind::LineNumber,
     }
 }
 
@@ -134,21 +219,32 @@ impl BlockVisitor for Part<'_, '_> {
             .get(span.start + 1..span.end())
             .unwrap_or_default();
         if span.start != 0 {
-            self.0
-                .refuse(span.end(), "the line number stands first in its line");
+            self.0.refuse(
+                line_number_kind(self.0.text),
+                span.end(),
+                "the line number stands first in its line",
+            );
         } else if digits.bytes().all(|byte| byte.is_ascii_digit()) {
             self.0.at = span.end();
         } else {
-            self.0.refuse(span.end(), "a line number has no fraction");
+            self.0.refuse(
+                RefusalKind::LineNumber,
+                span.end(),
+                "a line number has no fraction",
+            );
         }
     }
 
     fn program_number(&mut self, _number: u32, span: Span) {
-        self.0.refuse(span.end(), O_WORD);
+        self.0.refuse(RefusalKind::Unsupported, span.end(), O_WORD);
     }
 
     fn program_delimiter(&mut self, span: Span) {
-        self.0.refuse(span.end(), "% stands alone on its line");
+        self.0.refuse(
+            RefusalKind::Letter,
+            span.end(),
+            "% stands alone on its line",
+        );
     }
 
     fn word_address(&mut self, _letter: char, _value: Value<'_>, span: Span) {
@@ -182,34 +278,49 @@ impl CommandVisitor for Part<'_, '_> {
 
 impl Diagnostics for Words<'_> {
     fn emit_unknown_content(&mut self, text: &str, span: Span) {
-        self.refuse(span.end(), unknown(text));
+        self.refuse(RefusalKind::Letter, span.end(), unknown(text));
     }
 
     fn emit_unexpected(&mut self, actual: &str, expected: &[TokenType], span: Span) {
-        let reason = match actual.chars().next() {
-            Some('N' | 'n') if self.at > 0 => "the line number stands first in its line",
-            Some('O' | 'o') => O_WORD,
-            Some('#' | '[' | ']') => unknown(actual),
-            Some('/') => {
-                "/ deletes a block as the first character of its line; there are no expressions"
-            }
+        use RefusalKind::{Letter, Number, Unsupported};
+        let (kind, reason) = match actual.chars().next() {
+            Some('N' | 'n') if self.at > 0 => (
+                line_number_kind(self.text),
+                "the line number stands first in its line",
+            ),
+            Some('O' | 'o') => (Unsupported, O_WORD),
+            Some('#' | '[' | ']') => (Letter, unknown(actual)),
+            Some('/') => (
+                Letter,
+                "/ deletes a block as the first character of its line; there are no expressions",
+            ),
             Some('+' | '-') if expected.contains(&TokenType::Letter) => {
-                "a sign needs a letter before it"
+                (Letter, "a sign needs a letter before it")
             }
             Some(c) if c.is_ascii_alphabetic() => match self.text.get(span.end()..) {
-                Some(rest) if rest.starts_with(['#', '[']) => unknown(rest),
-                _ => "a number must follow the letter",
+                Some(rest) if rest.starts_with(['#', '[']) => (Number, unknown(rest)),
+                _ => (Number, "a number must follow the letter"),
             },
             Some(c) if c.is_ascii_digit() && expected.contains(&TokenType::Letter) => {
-                "a number needs a letter before it"
+                (Letter, "a number needs a letter before it")
             }
-            _ => "this is not a number",
+            _ => match word_at(self.text, self.at).get(1..) {
+                // A number, and something behind it.
+                Some(rest) if rest.starts_with(|c: char| c.is_ascii_digit()) => {
+                    (Letter, "this is not a number")
+                }
+                _ => (Number, "this is not a number"),
+            },
         };
-        self.refuse(span.end(), reason);
+        self.refuse(kind, span.end(), reason);
     }
 
     fn emit_parse_int_error(&mut self, _: &str, _: std::num::ParseIntError, span: Span) {
-        self.refuse(span.end(), "this is not a line number");
+        self.refuse(
+            RefusalKind::LineNumber,
+            span.end(),
+            "this is not a line number",
+        );
     }
 }
 

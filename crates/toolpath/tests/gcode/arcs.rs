@@ -275,3 +275,13 @@ fn arcs_that_make_no_sense_are_refused() {
         refused(text);
     }
 }
+
+/// Programs rounded to a thousandth of a millimetre hold such arcs.
+#[test]
+fn an_arc_without_a_radius_is_a_line() {
+    for text in ["G2 X0.001 Y0 I0.0005 F60", "G3 X0.0004 R0.0002 F60"] {
+        assert_eq!(last(text).curve, trirrr_toolpath::ToolCurve::Line, "{text}");
+    }
+    assert!(run("G2 X0 Y0 I0.0001 F60").1.is_empty());
+    assert_eq!(refused("G2 X10 I0 J0 F60").word, "I0");
+}

@@ -55,7 +55,7 @@ pub(crate) fn refused_with(setup: GcodeSetup, text: &str) -> PathFault {
     let (mut interpreter, _) = run_with(setup, before);
     let state = observable(&interpreter);
     let number = 1 + before.lines().count() as u32;
-    let fault = interpreter.line(number, line).expect_err(line);
+    let fault = interpreter.line(number, line).expect_err(line).fault;
     assert_eq!(observable(&interpreter), state, "{line}");
     assert_eq!(fault.line, number);
     assert!(fault.reason.len() > 10, "{fault}");

@@ -1,6 +1,6 @@
 //! Damaged lines: none panics, and each is elements of numbers or a refusal that leaves the state.
 use crate::common::observable;
-use trirrr_toolpath::gcode::{GcodeSetup, Interpreter};
+use trirrr_toolpath::gcode::{GcodeRefusal, GcodeSetup, Interpreter};
 use trirrr_toolpath::{Act, ToolCurve, ToolPlace};
 
 const LINES: [&str; 33] = [
@@ -166,7 +166,7 @@ fn run(count: u32, seed: u64) -> u32 {
                 });
                 assert_eq!(end, interpreter.place(), "{line:?}");
             }
-            Err(fault) => {
+            Err(GcodeRefusal { fault, .. }) => {
                 assert!(
                     fault.line == number && !fault.reason.is_empty(),
                     "{line:?}: {fault}"

@@ -55,7 +55,7 @@ fn what_names_no_output_is_refused() {
     for (line, word, reason) in [
         ("M62", "M62", "needs P"),
         ("M64 P3", "P3", "0 to 2"),
-        ("M65 P-1", "P-1", "0 to 2"),
+        ("M65 P-1", "P-1", "not negative"),
         ("M62 P0.5", "P0.5", "0 to 2"),
         ("M62 P0 M63", "M63", "modal group"),
         ("M67 E0 Q1", "M67", "two levels"),

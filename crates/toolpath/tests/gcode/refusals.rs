@@ -175,7 +175,7 @@ fn junk_is_refused_and_not_skipped() {
         let mut interpreter = run("G91").0;
         let before = crate::common::observable(&interpreter);
         let fault = interpreter.line(7, text).expect_err(text);
-        assert_eq!(fault.line, 7);
+        assert_eq!(fault.fault.line, 7);
         assert_eq!(crate::common::observable(&interpreter), before, "{text}");
     }
 }
@@ -184,4 +184,54 @@ fn junk_is_refused_and_not_skipped() {
 fn a_long_word_is_cut_in_the_refusal() {
     let fault = refused(&format!("G0 X{}", "1".repeat(900)));
     assert!(fault.word.len() < 50, "{fault}");
+}
+
+/// The kinds tell programs what is wrong; a number with a comma is told as it was meant.
+#[test]
+fn refusals_have_kinds() {
+    use trirrr_toolpath::gcode::RefusalKind as Kind;
+    for (text, kind) in [
+        ("1", Kind::Letter),
+        ("G0 X", Kind::Number),
+        ("S-1", Kind::Negative),
+        ("G41", Kind::Unsupported),
+        ("G20 G21", Kind::ModalGroup),
+        ("G1 X1", Kind::NoFeed),
+        ("M3.5", Kind::NotWhole),
+        ("G1 G92 X1", Kind::AxisConflict),
+        ("S1 S2", Kind::Repeated),
+        ("G92", Kind::NoAxes),
+        ("N10000001", Kind::LineNumber),
+        ("G4", Kind::MissingWord),
+        ("G10 L2 P7 X1", Kind::NoSystem),
+        ("G53 G2 X1 I1 F1", Kind::FixedFrame),
+        ("G80\nX1", Kind::NoMotionMode),
+        ("G2 X10 I1 F1", Kind::ArcTarget),
+        ("G2 X10 R1 F1", Kind::ArcRadius),
+        ("G2 X1 F1", Kind::NoCentre),
+        ("G0 I1", Kind::Unused),
+        ("G0 X1000001", Kind::TooLarge),
+        ("G0 X20,5", Kind::Letter),
+        ("G0 X,5", Kind::Number),
+    ] {
+        let (before, line) = text.rsplit_once('\n').unwrap_or(("", text));
+        let found = run(before).0.line(2, line).expect_err(text);
+        assert_eq!(found.kind, kind, "{text}: {found}");
+    }
+    for (text, word, meant) in [
+        (
+            "G1 X20,5 Y10",
+            "X20,5",
+            "the decimal sign is a point, not a comma: X20.5",
+        ),
+        ("g1 x 1 , 5 f600", "x1,5", "x1.5"),
+        ("G0 Y-,25", "Y-,25", "Y-.25"),
+        ("G4 P0,1", "P0,1", "P0.1"),
+        ("G0 X1,234.5", "X1,234.5", "one decimal sign"),
+    ] {
+        let found = refused(text);
+        assert_eq!(found.word, word);
+        assert!(found.reason.contains(meant), "{text}: {found}");
+        assert!(!found.reason.contains("remove"), "{found}");
+    }
 }
