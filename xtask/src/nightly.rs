@@ -371,6 +371,20 @@ fn steps() -> Result<Vec<Step>> {
                 "--nocapture",
             ],
         ),
+        Step::cargo(
+            "a thousand holds of a sender",
+            &[
+                "test",
+                "--release",
+                "-p",
+                "trirrr-host-sim",
+                "--lib",
+                "holds",
+                "--",
+                "--ignored",
+                "--nocapture",
+            ],
+        ),
         Step::on_host(
             "ten million ticks",
             "test",

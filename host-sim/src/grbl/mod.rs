@@ -5,6 +5,8 @@
 
 mod args;
 mod driver;
+#[cfg(test)]
+mod holds;
 mod inputs;
 mod outputs;
 mod path;
@@ -27,7 +29,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use trirrr_client::exchange::Turn;
 use trirrr_client::local;
-use trirrr_client::transport::{Address, Link, OpenError};
+use trirrr_client::transport::{Address, KeyRefusal, Link, OpenError};
 use trirrr_grbl::{Dialect, MachineAct, MachineFacts};
 use trirrr_protocol::message::Transmit;
 use trirrr_scene::{NumberType, ReachMap, Scene, in_number_type};
@@ -253,6 +255,10 @@ impl<N: Transmit> MachineLine<N> {
                 for message in &messages {
                     self.driver.receive(message, self.begun.elapsed());
                 }
+            }
+            // To open the port anew does not help.
+            Err(error) if KeyRefusal::of(&error).is_some() => {
+                return Err(CliError::Failed(error.to_string()));
             }
             Err(error) => self.lose(&error.to_string()),
         }

@@ -7,7 +7,7 @@ use std::io::{self, ErrorKind, Read, Write};
 use std::net::{TcpListener, TcpStream, ToSocketAddrs};
 
 /// Bytes taken at a time.
-const CHUNK: usize = 64 * 1024;
+const CHUNK: usize = 16 * 1024;
 
 /// Bytes that wait for a sender that does not read: more, and it is cut off.
 const MOST_WAITING: usize = 64 * 1024;
@@ -114,7 +114,7 @@ impl Sender {
     /// # Errors
     /// The sender is gone, and all that it has sent is read.
     pub(super) fn receive(&mut self) -> io::Result<Vec<u8>> {
-        let mut bytes = vec![0; CHUNK];
+        let mut bytes = [0; CHUNK];
         let read = match &mut self.line {
             SenderLine::Tcp(stream) => match stream.read(&mut bytes) {
                 Ok(0) => return Err(ErrorKind::ConnectionReset.into()),
@@ -128,11 +128,10 @@ impl Sender {
             },
         };
         match read {
-            Ok(length) => bytes.truncate(length),
-            Err(error) if is_passing(&error) => bytes.clear(),
-            Err(error) => return Err(error),
+            Ok(length) => Ok(bytes[..length].to_vec()),
+            Err(error) if is_passing(&error) => Ok(Vec::new()),
+            Err(error) => Err(error),
         }
-        Ok(bytes)
     }
 
     /// Sends what goes without waiting, behind what waits.

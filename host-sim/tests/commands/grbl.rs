@@ -334,6 +334,40 @@ fn holds_resets_and_overrides_act_at_once() {
     sender.until(|report| report.text.contains("|Ov:100,100,100"));
 }
 
+/// A line that never ends hides nothing, and the line to a board that is lost is told at once.
+#[test]
+fn real_time_bytes_are_heard_in_a_line_without_an_end_and_while_the_board_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let [mut device, server] = with_valves(folder.path());
+    let mut sender = Sender::unlocked(&server);
+    let start = sender.report().place[0];
+    sender.stream("G91 G21\nG1 X60 F300\n");
+    sender.until(|report| report.place[0] > start + 0.5);
+    sender.send(&format!("({}", "y".repeat(5000)));
+    sender.send("!");
+    let held = sender.until(|report| report.state == "Hold:0").place;
+    assert!(held[0] < start + 59.0);
+    sender.send("~");
+    sender.until(|report| report.state == "Run" && report.place[0] > held[0]);
+    device.process.kill().unwrap();
+    let lines = sender.wait_for("ALARM:1");
+    assert!(
+        lines
+            .iter()
+            .any(|line| line.contains("the line to the machine is lost")),
+        "{lines:?}"
+    );
+    assert_eq!(sender.report().state, "Alarm");
+    // The line that was never ended is one, and is answered.
+    sender.send(")\nG1 X1\n$X\n");
+    sender.answer("ok");
+    sender.answer("error:9");
+    sender.answer("error:9");
+    // The sender that goes is noticed, and the next one is taken.
+    drop(sender);
+    assert_eq!(Sender::connect(&server).report().state, "Alarm");
+}
+
 #[test]
 fn a_jog_ends_where_it_was_sent_or_where_it_was_cancelled() {
     let server = Server::start(&[]);
@@ -368,7 +402,8 @@ fn each_wrong_line_gets_a_number_and_a_reason_and_moves_nothing() {
     for (line, number, reason) in [
         ("G1 X260", "error:22", "no feed"),
         ("G41 X260 F100", "error:20", "G41"),
-        ("G1 X", "error:20", "X"),
+        ("G1 X", "error:2", "X"),
+        ("G1 X20,5 F100", "error:1", "X20.5"),
         ("G1 X900 F100", "error:15", "in the frame of the machine"),
         ("G1 Z-1 F100", "error:20", "Z"),
         ("$32=0", "error:3", "laser mode"),

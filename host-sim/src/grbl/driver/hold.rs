@@ -19,7 +19,7 @@ impl<N: Transmit> MachineDriver<N> {
         self.holds.held || self.is_door_hold
     }
 
-    /// Holds from now on. A machine that moves, or is about to, is told at once.
+    /// Holds from now on. A machine that is on its path is told at once: it may be about to go on.
     pub(super) fn hold(&mut self) {
         self.holds = Holds {
             held: true,

@@ -293,6 +293,16 @@ impl<N: Transmit> MachineDriver<N> {
         }
     }
 
+    /// The machine does not play what it was given. It comes to rest, and drops the rest: moves before the refused one may end moving, and
+    /// would wait for ever.
+    fn refuse(&mut self, why: String) {
+        self.refused = Some(why);
+        self.feed.clear();
+        self.outputs.clear();
+        self.piece = None;
+        self.order(Command::Stop);
+    }
+
     /// Drops what the machine has not taken, and what it was to become.
     fn drop_program(&mut self) {
         self.feed.clear();
@@ -391,8 +401,7 @@ impl<N: Transmit> MachineDriver<N> {
         }
         let number = *self.piece.get_or_insert(status.piece);
         let Some(piece) = offer::piece(&piece, feed_m_s, tool, &self.units) else {
-            self.feed.clear();
-            self.refused = Some("the machine plans no arc on which A bends".into());
+            self.refuse("the machine plans no arc on which A bends".into());
             return None;
         };
         Some(Command::Path(PathPiece {
@@ -502,10 +511,7 @@ impl<N: Transmit> MachineDriver<N> {
             let why = verdict
                 .violation
                 .map(|violation| describe::violation(&violation, 0, &self.words));
-            self.refused = Some(why.unwrap_or_else(|| "the machine has refused the motion".into()));
-            self.feed.clear();
-            self.outputs.clear();
-            self.piece = None;
+            self.refuse(why.unwrap_or_else(|| "the machine has refused the motion".into()));
         }
         self.was_refused = is_refused;
         if let Some(fault) = status.fault

@@ -40,9 +40,7 @@ impl<N: Transmit> MachineDriver<N> {
                 self.look = self.pause;
             }
             (Command::Path(_), refusal) => {
-                self.refused = Some(describe::refusal(&refusal, 0, &self.words));
-                self.feed.clear();
-                self.piece = None;
+                self.refuse(describe::refusal(&refusal, 0, &self.words));
             }
             (Command::Output { .. }, Refusal::Busy) => {
                 self.orders.push_front(*command);
@@ -50,10 +48,7 @@ impl<N: Transmit> MachineDriver<N> {
             }
             (Command::Output { .. }, refusal)
             | (Command::OutputsAt(_), refusal @ Refusal::NoOutput { .. }) => {
-                self.refused = Some(describe::refusal(&refusal, 0, &self.words));
-                self.feed.clear();
-                self.outputs.clear();
-                self.piece = None;
+                self.refuse(describe::refusal(&refusal, 0, &self.words));
             }
             (
                 Command::Probe { .. },
@@ -69,10 +64,7 @@ impl<N: Transmit> MachineDriver<N> {
                 self.order(Command::Stop);
             }
             (Command::Start, Refusal::LimitSwitch { .. }) => {
-                self.refused = Some(describe::refusal(&refusal, 0, &self.words));
-                self.feed.clear();
-                self.piece = None;
-                self.order(Command::Stop);
+                self.refuse(describe::refusal(&refusal, 0, &self.words));
             }
             // Too early or too late: the next status says what holds.
             _ => {

@@ -1,0 +1,352 @@
+//! Holds of a sender at random instants, with the true machine in virtual time.
+
+use super::driver::{MachineDriver, place_of};
+use super::path::MOTIONS;
+use super::reach::SceneReach;
+use std::collections::VecDeque;
+use std::time::Duration;
+use trirrr_client::exchange::{Patience, Turn};
+use trirrr_client::local::{self, LocalService};
+use trirrr_grbl::{Dialect, MachineFacts};
+use trirrr_protocol::message::{Message, Request};
+use trirrr_scene::Scene;
+use trirrr_service::InterlockReadings;
+
+/// Number type. Its planner has room for all that these jobs ask for.
+type N = f64;
+
+/// Longest way of a frame, ticks.
+const LATENCY: usize = 5;
+
+/// Ticks from a byte to rest at most: the hold's ramp of 100, what is under way on the line before the hold, and motions that leave the
+/// ramp no room, where the hold comes behind them.
+const REST: usize = 600;
+
+/// Slices of the work below a tick.
+const SLICES: u32 = 400;
+
+/// xorshift64*.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, most: usize) -> usize {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 33) as usize % most
+    }
+}
+
+/// One direction of the line to the machine. Frames keep their order, and each takes a random time.
+struct Line<T>(VecDeque<(u64, T)>);
+
+impl<T> Line<T> {
+    fn put(&mut self, item: T, tick: u64, random: &mut Random) {
+        let earliest = tick + 1 + random.below(LATENCY) as u64;
+        let at = self
+            .0
+            .back()
+            .map_or(earliest, |(before, _)| earliest.max(*before));
+        self.0.push_back((at, item));
+    }
+
+    /// Next one that has arrived.
+    fn take(&mut self, tick: u64) -> Option<T> {
+        match self.0.front() {
+            Some((at, _)) if *at <= tick => self.0.pop_front().map(|(_, item)| item),
+            _ => None,
+        }
+    }
+}
+
+/// Machine, driver and dialect, with a line that takes a random time.
+struct Bench<'a> {
+    machine: &'a mut dyn LocalService<N>,
+    driver: MachineDriver<N>,
+    dialect: Dialect,
+    reach: &'a SceneReach<'a>,
+    random: Random,
+    tick: u64,
+    requests: Line<Request<N>>,
+    messages: Line<Message<N>>,
+    door: bool,
+    input: bool,
+    said: String,
+    place: [f64; 2],
+    /// Tick of the last motion.
+    moved: u64,
+}
+
+impl Bench<'_> {
+    fn now(&self) -> Duration {
+        Duration::from_millis(self.tick)
+    }
+
+    /// A millisecond.
+    fn pass(&mut self) {
+        self.tick += 1;
+        self.machine.sense(InterlockReadings {
+            door: self.door,
+            ..InterlockReadings::default()
+        });
+        self.machine.sense_digital(u8::from(self.input));
+        self.machine.tick();
+        if let Some(played) = self.machine.motion() {
+            let position = &played.0.pose.position;
+            let place = [position.x, position.y];
+            if place != self.place {
+                (self.place, self.moved) = (place, self.tick);
+            }
+        }
+        let _ = (0..SLICES).all(|_| self.machine.work());
+        let (tick, now) = (self.tick, self.now());
+        while let Some(message) = self.machine.outgoing() {
+            self.messages.put(message, tick, &mut self.random);
+        }
+        while let Some(request) = self.requests.take(tick) {
+            let reply = self.machine.receive(&request);
+            let sequence = request.sequence;
+            let answer = Message::Reply { sequence, reply };
+            self.messages.put(answer, tick, &mut self.random);
+        }
+        while let Some(message) = self.messages.take(tick) {
+            self.driver.receive(&message, now);
+        }
+        while let Turn::Send(request) = self.driver.poll(now) {
+            self.requests.put(request, tick, &mut self.random);
+        }
+        if let Some(reason) = self.driver.take_refused() {
+            self.dialect.refused(&reason);
+        }
+        let view = self.driver.view();
+        for act in self.dialect.step(self.now(), &view, self.reach) {
+            self.driver.take(act);
+        }
+        self.said += &String::from_utf8(self.dialect.take_output()).expect("text");
+    }
+
+    fn pass_for(&mut self, ticks: usize) {
+        (0..ticks).for_each(|_| self.pass());
+    }
+
+    fn send(&mut self, bytes: &[u8]) {
+        self.dialect.bytes(bytes);
+    }
+
+    /// Answers so far.
+    fn answers(&self) -> usize {
+        let is_answer = |line: &&str| *line == "ok" || line.starts_with("error:");
+        self.said.lines().filter(is_answer).count()
+    }
+
+    /// State of a report.
+    fn state(&mut self) -> String {
+        let before = self.said.len();
+        self.send(b"?");
+        self.pass();
+        let report = self.said[before..]
+            .lines()
+            .find_map(|line| line.strip_prefix('<'));
+        let report = report.expect("a report");
+        report.split('|').next().expect("a state").to_owned()
+    }
+
+    /// Waits for `what` at most so many ticks.
+    fn until(&mut self, ticks: usize, what: impl Fn(&mut Self) -> bool) {
+        for _ in 0..ticks {
+            if what(self) {
+                return;
+            }
+            self.pass();
+        }
+        panic!("it does not come: {}", self.told());
+    }
+
+    /// What was said, without reports.
+    fn told(&self) -> String {
+        let lines = self.said.lines().filter(|line| !line.starts_with('<'));
+        lines.collect::<Vec<_>>().join("\n")
+    }
+}
+
+/// Figures of holds.
+#[derive(Debug, Default)]
+struct Figures {
+    holds: u32,
+    lost: u32,
+    /// Jobs that the machine's proof has dropped: they count for nothing.
+    dropped: u32,
+    /// Most ticks from a byte to rest, and the longest way between, m.
+    ticks: u64,
+    way_m: f64,
+}
+
+/// The engraving machine with a door, an output and an input, that plans paths.
+fn scene() -> Scene {
+    let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/engraving.toml");
+    let text = std::fs::read_to_string(file).unwrap();
+    let more = "[inputs.door]\n\n[inputs.probe]\n\n[[io.outputs]]\nname = \"air\"\n\n[[io.inputs]]\nname = \"sheet\"\n\n[service]\nplans_paths = true";
+    Scene::parse(&text.replacen("[service]", more, 1), file).unwrap()
+}
+
+/// A line of a job near the start of the scene's, mm.
+fn line(random: &mut Random) -> String {
+    let mut near = |middle: usize| (middle - 15 + random.below(30)) as f64;
+    let (x, y) = (near(250), near(245));
+    let feed = 300 + random.below(5000);
+    match random.below(12) {
+        0..=3 => format!("G1 X{x} Y{y} F{feed}"),
+        4 => format!("G0 X{x} Y{y}"),
+        5 => format!("G91 G2 X4 Y0 I2 J0 F{feed}\nG3 X-4 Y0 I-2 J0\nG90"),
+        6 | 7 => format!("G4 P0.{}", 1 + random.below(4)),
+        8 => "M64 P0".into(),
+        9 => format!("M62 P0\nG1 X{x} F{feed}"),
+        10 => "M66 P0 L3 Q100".into(),
+        _ => format!("M{} S{}", 3 + random.below(3), random.below(1000)),
+    }
+}
+
+/// Plays jobs with so many holds.
+fn play(seed: u64, holds: u32) -> Figures {
+    let scene = scene();
+    let units = trirrr_scene::units::<N>(&scene).unwrap();
+    let reach = SceneReach::new(&scene).unwrap();
+    let facts = MachineFacts {
+        name: scene.name.clone(),
+        travel_m: [0.2, 0.2],
+        has_homing: false,
+        motions: MOTIONS,
+        ignore_z: false,
+        outputs: 1,
+        inputs: 1,
+    };
+    let hello = local::hello::<N>(&scene);
+    let driver = MachineDriver::new(&scene, units, hello, Patience::default(), 7, 1e-5);
+    let start = place_of(&scene.job.start);
+    local::with_machine_switched_on::<N, _>(&scene, |machine| {
+        let mut bench = Bench {
+            machine,
+            driver,
+            dialect: Dialect::new(facts, start),
+            reach: &reach,
+            random: Random(seed),
+            tick: 0,
+            requests: Line(VecDeque::new()),
+            messages: Line(VecDeque::new()),
+            door: false,
+            input: false,
+            said: String::new(),
+            place: [0.0; 2],
+            moved: 0,
+        };
+        bench.dialect.connect();
+        bench.send(b"$X\n");
+        bench.until(2000, |bench| bench.answers() == 1);
+        let mut figures = Figures::default();
+        while figures.holds < holds {
+            hold_in_a_job(&mut bench, &mut figures);
+        }
+        figures
+    })
+    .unwrap()
+}
+
+/// A part of a job, or a jog, with a hold somewhere in it; then all of it is played.
+fn hold_in_a_job(bench: &mut Bench, figures: &mut Figures) {
+    bench.said.clear();
+    let lines: Vec<String> = match bench.random.below(6) {
+        0 => vec![format!("$J=G90 X{} F900", 235 + bench.random.below(30))],
+        lines => (0..2 * lines).map(|_| line(&mut bench.random)).collect(),
+    };
+    let lines = lines.join("\n") + "\n";
+    bench.input = false;
+    bench.send(lines.as_bytes());
+    let delay = bench.random.below(1500);
+    bench.pass_for(delay);
+    bench.input = bench.random.below(2) == 0;
+    // One that ends in this very moment is a jog no more.
+    let is_jog = bench.state() == "Jog";
+    let (at, from) = (bench.tick, bench.place);
+    let wanted = match bench.random.below(3) {
+        0 => {
+            bench.send(b"!");
+            "Hold:0"
+        }
+        1 => {
+            bench.send(b"\x84");
+            "Door:0"
+        }
+        _ => {
+            bench.door = true;
+            "Door:1"
+        }
+    };
+    bench.pass_for(REST);
+    let state = bench.state();
+    let (ticks, rest) = (bench.moved.saturating_sub(at), bench.place);
+    // Nothing moves, whatever ends meanwhile, before the user goes on.
+    let stands = bench.random.below(700);
+    bench.pass_for(stands);
+    let is_kept = state == wanted || (is_jog && state == "Idle" && !bench.door);
+    // What the machine's proof has dropped stands for that.
+    if !bench.said.contains("ALARM:2") {
+        figures.holds += 1;
+        if !is_kept || bench.place != rest {
+            figures.lost += 1;
+            println!(
+                "{state}, not {wanted}, {delay} ms into {lines:?}: {}",
+                bench.told()
+            );
+        }
+        figures.ticks = figures.ticks.max(ticks);
+        let way = (rest[0] - from[0]).hypot(rest[1] - from[1]);
+        figures.way_m = figures.way_m.max(way);
+    }
+    (bench.door, bench.input) = (false, true);
+    bench.pass_for(60);
+    bench.send(b"~");
+    let mut all = lines.lines().count();
+    bench.until(60_000, |bench| bench.answers() >= all);
+    bench.until(60_000, |bench| {
+        matches!(bench.state().as_str(), "Idle" | "Alarm")
+    });
+    if bench.said.contains("ALARM:2") {
+        figures.dropped += 1;
+        bench.send(b"$X\n");
+        all += 1;
+        bench.until(2000, |bench| bench.state() == "Idle");
+    }
+    assert_eq!(bench.answers(), all, "{}", bench.told());
+    let alarms = bench.said.matches("ALARM").count();
+    assert_eq!(
+        alarms,
+        bench.said.matches("ALARM:2").count(),
+        "{}",
+        bench.told()
+    );
+}
+
+fn check(holds: u32) {
+    let seed = 0x7472_6972_7272_0471;
+    let figures = play(seed, holds);
+    println!(
+        "seed {seed:#x}: {} holds at random instants, {} lost, {} jobs dropped; at rest within {} ms and {:.2} mm",
+        figures.holds,
+        figures.lost,
+        figures.dropped,
+        figures.ticks,
+        figures.way_m * 1000.0
+    );
+    assert_eq!(figures.lost, 0);
+}
+
+#[test]
+fn holds_at_random_instants_are_none_lost() {
+    check(12);
+}
+
+#[test]
+#[ignore = "minutes; cargo xtask nightly runs it"]
+fn a_thousand_holds_are_none_lost() {
+    check(1000);
+}
