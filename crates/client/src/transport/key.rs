@@ -5,6 +5,7 @@ use std::fs;
 use std::hash::{BuildHasher, Hasher};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use trirrr_scene::read::files::{LONGEST_MACHINE, text_in};
 
 /// Bytes of a key.
 pub(super) const KEY_BYTES: usize = 32;
@@ -57,9 +58,11 @@ impl SharedKey {
     /// # Errors
     /// [`KeyError`].
     pub fn read(file: &Path) -> Result<Self, KeyError> {
-        let text = fs::read_to_string(file).map_err(|error| match error.kind() {
+        let text = text_in(file, LONGEST_MACHINE).map_err(|error| match error.kind() {
             io::ErrorKind::NotFound => KeyError::Missing(file.into()),
-            io::ErrorKind::InvalidData => KeyError::Malformed(file.into()),
+            io::ErrorKind::InvalidData | io::ErrorKind::FileTooLarge => {
+                KeyError::Malformed(file.into())
+            }
             _ => other(file, error),
         })?;
         let key = Self::parse(&text).ok_or_else(|| KeyError::Malformed(file.into()))?;
