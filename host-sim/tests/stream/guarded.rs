@@ -62,7 +62,12 @@ fn a_job_waits_behind_an_open_door_until_the_user_resumes() {
     );
     // The tool goes on at the very place at which it went off, and the rest is that of a run.
     let (first, rest) = (ticks(&out), ticks(&out.join("resumed-1")));
-    let with_tool = |row: &&str| row.rsplit(',').next() != Some("0");
+    let tool = |row: &str| {
+        row.rsplit(',')
+            .next()
+            .and_then(|tool| tool.parse::<f64>().ok())
+    };
+    let with_tool = |row: &&str| tool(row) != Some(0.0);
     let last = pose(first.lines().rfind(with_tool).unwrap());
     let next = pose(rest.lines().skip(1).find(with_tool).unwrap());
     let way = (last[0] - next[0]).hypot(last[1] - next[1]);
