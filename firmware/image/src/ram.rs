@@ -20,10 +20,10 @@ struct Without {
 }
 
 /// Part of an image and its bytes.
-type Part = (&'static str, u32);
+type RamPart = (&'static str, u32);
 
 /// Parts of the image of `scene` in the number type `number`; `usb`: with the line over USB.
-fn parts(scene: &Scene, number: NumberType, usb: bool, without: Without) -> Vec<Part> {
+fn parts(scene: &Scene, number: NumberType, usb: bool, without: Without) -> Vec<RamPart> {
     let is_fixed = number == NumberType::Fixed;
     let paths = scene.service.plans_paths && !without.paths;
     let quintics = scene.plays_quintics() || paths;
@@ -52,7 +52,7 @@ fn parts(scene: &Scene, number: NumberType, usb: bool, without: Without) -> Vec<
     parts
 }
 
-fn sum(parts: &[Part]) -> u32 {
+fn sum(parts: &[RamPart]) -> u32 {
     parts.iter().map(|(_, bytes)| bytes).sum()
 }
 

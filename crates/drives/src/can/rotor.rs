@@ -110,12 +110,12 @@ pub(super) struct Rotor<N: Countable> {
     /// Joint from the zero: as measured while the drive is off, as commanded while it is on.
     winding: Winding,
     /// None until a position was heard.
-    track: Option<Track>,
+    track: Option<RotorTrack>,
 }
 
 /// Positions of a drive up to the last one.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Track {
+struct RotorTrack {
     /// Turns from the zero that the drive's position lacks.
     offset: f32,
     /// Turns of the rotor from the zero at the last position.
@@ -180,7 +180,7 @@ impl<N: Countable> Rotor<N> {
         let (track, restarts) = match &self.track {
             Some(track) => track.follow(position, age, &self.scale),
             None => (
-                Track::begin(position, self.turns(), self.scale.absolute),
+                RotorTrack::begin(position, self.turns(), self.scale.absolute),
                 false,
             ),
         };
@@ -229,7 +229,7 @@ impl<N: Countable> Rotor<N> {
     }
 }
 
-impl Track {
+impl RotorTrack {
     /// Track of a drive that is heard first, at `position`, with its joint near `turns`.
     fn begin(position: f32, turns: f32, absolute: Absolute) -> Self {
         let offset = match absolute {

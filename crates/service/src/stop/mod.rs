@@ -32,7 +32,7 @@ mod walk;
 
 use crate::feed::FeedScale;
 use crate::pace::MovePaces;
-use walk::Walk;
+use walk::StopWalk;
 
 /// Move of a job, for its stops.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -150,7 +150,7 @@ impl<'a> StopJob<'a> {
 
     /// Looks at `starts`, and closer where `visit` asks for it.
     fn look(&self, starts: &Starts, visit: &mut impl FnMut(&Stops) -> bool) {
-        let stops = Walk::new(self, starts).stops(starts);
+        let stops = StopWalk::new(self, starts).stops(starts);
         if visit(&stops) && stops.is_narrow != [true; 2] {
             let Starts { left, levels, .. } = *starts;
             let middle = |[a, b]: [u64; 2]| u64::midpoint(a, b);

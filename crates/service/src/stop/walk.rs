@@ -28,7 +28,7 @@ struct Found {
 
 /// Stops from a stretch of starts, followed together.
 #[derive(Clone)]
-pub(super) struct Walk<'a> {
+pub(super) struct StopWalk<'a> {
     job: &'a StopJob<'a>,
     index: usize,
     part: u32,
@@ -47,7 +47,7 @@ pub(super) struct Walk<'a> {
     found: Found,
 }
 
-impl<'a> Walk<'a> {
+impl<'a> StopWalk<'a> {
     pub(super) fn new(job: &'a StopJob<'a>, starts: &Starts) -> Self {
         let [_, level] = starts.levels;
         Self {
