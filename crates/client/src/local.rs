@@ -114,11 +114,8 @@ pub fn hello<N: ServiceNumber>(scene: &Scene) -> Hello {
 /// Number type whose machine this crate has compiled: who plays one links it and does not compile a service again.
 pub trait HostNumber: ServiceNumber {
     #[doc(hidden)]
-    fn play_machine(scene: &Scene, how: Sensed<'_>, play: &mut Play<'_, Self>) -> Built;
+    fn play_machine(scene: &Scene, how: Sensed<'_>, play: &mut Play<'_, Self>) -> Result<(), Unbuildable>;
 }
-
-/// Outcome of a machine that was to be built.
-pub type Built = Result<(), Unbuildable>;
 
 /// Code that plays a machine.
 type Play<'a, N> = dyn FnMut(&mut dyn LocalService<N>) + 'a;
@@ -128,7 +125,7 @@ macro_rules! host_numbers {
         impl HostNumber for $number {
             // A function that is inlined is compiled where it is called.
             #[inline(never)]
-            fn play_machine(scene: &Scene, how: Sensed<'_>, play: &mut Play<'_, Self>) -> Built {
+            fn play_machine(scene: &Scene, how: Sensed<'_>, play: &mut Play<'_, Self>) -> Result<(), Unbuildable> {
                 build(scene, how, play)
             }
         }
@@ -206,7 +203,7 @@ fn play_once<N: HostNumber, T>(
     Ok(played.expect("a machine that is built is played once"))
 }
 
-fn build<N: ServiceNumber>(scene: &Scene, how: Sensed<'_>, play: &mut Play<'_, N>) -> Built {
+fn build<N: ServiceNumber>(scene: &Scene, how: Sensed<'_>, play: &mut Play<'_, N>) -> Result<(), Unbuildable> {
     let Sensed {
         homing,
         feedback,

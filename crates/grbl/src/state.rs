@@ -12,7 +12,7 @@ pub(crate) enum State {
     Hold(bool),
     Jog,
     Alarm,
-    Door(Door),
+    Door(DoorState),
     Check,
     Home,
     Sleep,
@@ -20,7 +20,7 @@ pub(crate) enum State {
 
 /// Part of a stop by the door.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Door {
+pub(crate) enum DoorState {
     /// Stands, the door is closed: `~` goes on.
     Closed = 0,
     /// Stands, the door is open.

@@ -135,7 +135,7 @@ const CORNER: f64 = 1e-9;
 
 /// Place where the motion goes on from a piece to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Joint<N> {
+pub(crate) struct PieceJoint<N> {
     /// x = (dp/dt)^2 at the start of the piece after over that at the end of the piece before.
     pub(crate) scale: N,
     /// Size of the change of the direction, as far as it is known: rounding turns a short piece.
@@ -144,10 +144,10 @@ pub(crate) struct Joint<N> {
 
 /// Scale of x = (dp/dt)^2 from the end of `before` to the start of `after`; none at a corner.
 pub(crate) fn joint<N: Number>(before: &Piece<N>, after: &Piece<N>) -> Option<N> {
-    Joint::of(before, after).map(|joint| joint.scale)
+    PieceJoint::of(before, after).map(|joint| joint.scale)
 }
 
-impl<N: Number> Joint<N> {
+impl<N: Number> PieceJoint<N> {
     /// The place between `before` and `after`; none at a corner.
     pub(crate) fn of(before: &Piece<N>, after: &Piece<N>) -> Option<Self> {
         let (a, b) = (before.at(N::ONE).first, after.at(N::ZERO).first);

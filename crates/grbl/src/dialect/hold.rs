@@ -2,7 +2,7 @@
 
 use super::Dialect;
 use super::wait::Wait;
-use crate::state::{Door, State};
+use crate::state::{DoorState, State};
 use crate::view::{MachineAct, MachinePhase, MachineView};
 use std::time::Duration;
 
@@ -74,10 +74,10 @@ impl Dialect {
         let is_holding = matches!(view.phase, MachinePhase::Slowing | MachinePhase::Holding);
         match self.held {
             Some(Held::Feed) => Some(State::Hold(!view.stands)),
-            Some(Held::Door) if !view.stands => Some(State::Door(Door::Slowing)),
-            Some(Held::Door) if view.contacts.door => Some(State::Door(Door::Open)),
-            Some(Held::Door) => Some(State::Door(Door::Closed)),
-            None if self.is_restoring && is_holding => Some(State::Door(Door::Restoring)),
+            Some(Held::Door) if !view.stands => Some(State::Door(DoorState::Slowing)),
+            Some(Held::Door) if view.contacts.door => Some(State::Door(DoorState::Open)),
+            Some(Held::Door) => Some(State::Door(DoorState::Closed)),
+            None if self.is_restoring && is_holding => Some(State::Door(DoorState::Restoring)),
             None => None,
         }
     }

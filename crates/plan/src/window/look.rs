@@ -4,7 +4,7 @@ use super::numbered::{Maybe, Numbered, set};
 use crate::cell::{Cell, Obstacle, Planner};
 use crate::extreme::{greater, lesser, unbounded};
 use crate::passes::{greatest_end, greatest_start};
-use crate::piece::{Joint, Piece};
+use crate::piece::{PieceJoint, Piece};
 use trirrr_core::model::Model;
 use trirrr_core::number::{Arithmetic, Number};
 use trirrr_service::admission::{Enclose, Path};
@@ -38,7 +38,7 @@ pub(super) struct HeldPiece<B: Number, T> {
     /// Number by which a refusal names the piece.
     pub(super) number: u32,
     /// Place between the piece before and this one; none: the motion stops between the two.
-    pub(super) joint: Option<Joint<B>>,
+    pub(super) joint: Option<PieceJoint<B>>,
 }
 
 /// A cell with its place and the pace that is planned.
@@ -409,8 +409,8 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
 
 /// Greatest x at the start of a piece with about the greatest acceleration `rate`. A turn at its joint is one of the path, or of its
 /// rounding: such a piece is so short that nobody knows. The motion has its length for the turn.
-fn most_at<B: Number>(joint: &Joint<B>, rate: B) -> B {
-    let Joint { scale, turn } = *joint;
+fn most_at<B: Number>(joint: &PieceJoint<B>, rate: B) -> B {
+    let PieceJoint { scale, turn } = *joint;
     if turn <= B::from_f64(UNSEEN_TURN) {
         return unbounded();
     }

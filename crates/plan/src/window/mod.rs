@@ -16,7 +16,7 @@ mod planner;
 
 use crate::cell::{Obstacle, Planner};
 use crate::fit::{LONGEST_S, rest};
-use crate::piece::{Joint, Piece};
+use crate::piece::{PieceJoint, Piece};
 use heapless::Deque;
 use law::{Along, Cursor, STANDING};
 use look::{HeldPiece, Look};
@@ -251,7 +251,7 @@ impl<N: Enclose, T: Copy + PartialEq, const PIECES: usize, const CELLS: usize>
             feed,
             tag,
             number,
-            joint: open.and_then(|last| Joint::of(last, &piece)),
+            joint: open.and_then(|last| PieceJoint::of(last, &piece)),
         };
         let taken = self.refusal.is_empty() && self.pieces.push(entry);
         if taken {

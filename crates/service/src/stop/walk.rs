@@ -13,7 +13,7 @@ const SPLITS: u32 = 256;
 
 /// Bounds of the stops that have come to rest.
 #[derive(Clone, Copy, Debug, Default)]
-struct Found {
+struct FoundStop {
     ticks: u64,
     /// Place beyond which none goes, and parts of a tick from the first start to there.
     to: PathPlace,
@@ -44,7 +44,7 @@ pub(super) struct StopWalk<'a> {
     time: u64,
     /// From the start on, and from where the first has come to rest.
     braked: [Braked; 2],
-    found: Found,
+    found: FoundStop,
 }
 
 impl<'a> StopWalk<'a> {
@@ -60,7 +60,7 @@ impl<'a> StopWalk<'a> {
             passed: 0,
             time: 0,
             braked: [Braked::new(0, level); 2],
-            found: Found::default(),
+            found: FoundStop::default(),
         }
     }
 
