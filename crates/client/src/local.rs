@@ -114,7 +114,11 @@ pub fn hello<N: ServiceNumber>(scene: &Scene) -> Hello {
 /// Number type whose machine this crate has compiled: who plays one links it and does not compile a service again.
 pub trait HostNumber: ServiceNumber {
     #[doc(hidden)]
-    fn play_machine(scene: &Scene, how: Sensed<'_>, play: &mut Play<'_, Self>) -> Result<(), Unbuildable>;
+    fn play_machine(
+        scene: &Scene,
+        how: Sensed<'_>,
+        play: &mut Play<'_, Self>,
+    ) -> Result<(), Unbuildable>;
 }
 
 /// Code that plays a machine.
@@ -203,7 +207,11 @@ fn play_once<N: HostNumber, T>(
     Ok(played.expect("a machine that is built is played once"))
 }
 
-fn build<N: ServiceNumber>(scene: &Scene, how: Sensed<'_>, play: &mut Play<'_, N>) -> Result<(), Unbuildable> {
+fn build<N: ServiceNumber>(
+    scene: &Scene,
+    how: Sensed<'_>,
+    play: &mut Play<'_, N>,
+) -> Result<(), Unbuildable> {
     let Sensed {
         homing,
         feedback,

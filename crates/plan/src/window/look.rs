@@ -4,7 +4,7 @@ use super::numbered::{Maybe, Numbered, set};
 use crate::cell::{Cell, Obstacle, Planner};
 use crate::extreme::{greater, lesser, unbounded};
 use crate::passes::{greatest_end, greatest_start};
-use crate::piece::{PieceJoint, Piece};
+use crate::piece::{Piece, PieceJoint};
 use trirrr_core::model::Model;
 use trirrr_core::number::{Arithmetic, Number};
 use trirrr_service::admission::{Enclose, Path};

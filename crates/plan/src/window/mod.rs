@@ -16,7 +16,7 @@ mod planner;
 
 use crate::cell::{Obstacle, Planner};
 use crate::fit::{LONGEST_S, rest};
-use crate::piece::{PieceJoint, Piece};
+use crate::piece::{Piece, PieceJoint};
 use heapless::Deque;
 use law::{Along, Cursor, STANDING};
 use look::{HeldPiece, Look};
