@@ -309,6 +309,18 @@ fn steps() -> Result<Vec<Step>> {
                 "--nocapture",
             ],
         ),
+        Step::on_host(
+            "holds at every tick of all scenes and of a thousand jobs",
+            "test",
+            &[
+                "--release",
+                "--test",
+                "holds",
+                "--",
+                "--ignored",
+                "--nocapture",
+            ],
+        ),
         Step::cargo(
             "a thousand machines that fall, faults of drives, no contact in ten million ticks",
             &[

@@ -150,7 +150,22 @@ impl<'a> StopJob<'a> {
 
     /// Looks at `starts`, and closer where `visit` asks for it.
     fn look(&self, starts: &Starts, visit: &mut impl FnMut(&Stops) -> bool) {
-        let stops = StopWalk::new(self, starts).stops(starts);
+        self.look_within(starts, None, visit);
+    }
+
+    /// Looks at `starts`, of which `all` are bounds already: what is told does not depend on who has asked before.
+    fn look_within(
+        &self,
+        starts: &Starts,
+        all: Option<&Stops>,
+        visit: &mut impl FnMut(&Stops) -> bool,
+    ) {
+        let mut stops = StopWalk::new(self, starts).stops(starts);
+        if let Some(all) = all {
+            stops.ticks = stops.ticks.min(all.ticks);
+            stops.parts = stops.parts.min(all.parts);
+            stops.to = stops.to.into_iter().chain(all.to).min();
+        }
         if visit(&stops) && stops.is_narrow != [true; 2] {
             let Starts { left, levels, .. } = *starts;
             let middle = |[a, b]: [u64; 2]| u64::midpoint(a, b);
@@ -159,7 +174,7 @@ impl<'a> StopJob<'a> {
                 let mut starts = *starts;
                 starts.left[1 - half] = place;
                 starts.levels[1 - half] = level;
-                self.look(&starts, visit);
+                self.look_within(&starts, Some(&stops), visit);
             }
         }
     }
