@@ -369,13 +369,29 @@ fn bad_telemetry_is_refused_with_file_line_and_column() {
         ),
     ];
     // A flat machine shows nothing of first moments of proximal links: the motion says nothing of what it does not see.
-    let asked = ["identify", &thesis, "out/ticks.csv", "--free", "links", "--out", "seen", "--json"];
+    let asked = [
+        "identify",
+        &thesis,
+        "out/ticks.csv",
+        "--free",
+        "links",
+        "--out",
+        "seen",
+        "--json",
+    ];
     let found = json(&trirrr(&folder, &asked));
     let parameters = found["parameters"].as_array().unwrap();
     let unseen = |it: &&Value| it["seen"].as_f64().unwrap() < 0.005;
-    assert!(parameters.iter().filter(unseen).count() >= 3, "{parameters:?}");
+    assert!(
+        parameters.iter().filter(unseen).count() >= 3,
+        "{parameters:?}"
+    );
     for parameter in parameters {
-        assert_eq!(parameter["deviation"].is_null(), unseen(&parameter), "{parameter}");
+        assert_eq!(
+            parameter["deviation"].is_null(),
+            unseen(&parameter),
+            "{parameter}"
+        );
     }
     let times = |factor: f64| {
         let torques = ["tau1", "tau2", "tau3"].map(place);

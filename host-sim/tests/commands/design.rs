@@ -71,10 +71,14 @@ fn the_mode_of_the_scene_is_as_it_is_run_and_planned() {
     let motors = design["motors"].as_array().unwrap();
     assert_eq!(motors.len(), 26);
     // Motors without an inertia of their rotor come behind the others.
-    let (known, unknown): (Vec<&Value>, Vec<&Value>) =
-        motors.iter().partition(|motor| motor["inertia_ratio"].is_number());
+    let (known, unknown): (Vec<&Value>, Vec<&Value>) = motors
+        .iter()
+        .partition(|motor| motor["inertia_ratio"].is_number());
     assert!(known.len() >= 5 && unknown.len() >= 5);
-    assert_eq!(motors.iter().collect::<Vec<_>>(), [known.clone(), unknown.clone()].concat());
+    assert_eq!(
+        motors.iter().collect::<Vec<_>>(),
+        [known.clone(), unknown.clone()].concat()
+    );
     for each in [known, unknown] {
         let margins = each.iter().map(|motor| motor["margin"].as_f64().unwrap());
         assert!(margins.rev().is_sorted());

@@ -537,9 +537,17 @@ fn a_wall_is_probed_and_left() {
     sender.answer("ok");
     sender.send("G38.4 X-3 F200\n");
     let left = contact(&sender.answer("ok"));
-    let at: f64 = left["[PRB:".len()..].split(',').next().unwrap().parse().unwrap();
+    let at: f64 = left["[PRB:".len()..]
+        .split(',')
+        .next()
+        .unwrap()
+        .parse()
+        .unwrap();
     // In the tick after the wall, or at it to a micrometre.
-    assert!((252.9..=253.0).contains(&at) && left.ends_with(":1]"), "{left}");
+    assert!(
+        (252.9..=253.0).contains(&at) && left.ends_with(":1]"),
+        "{left}"
+    );
     sender.send("G38.2 X-1 F200\n");
     sender.wait_for("ALARM:5");
     assert!(contact(&sender.answer("ok")).ends_with(":0]"));
