@@ -71,7 +71,7 @@ fn the_mode_of_the_scene_is_as_it_is_run_and_planned() {
     let motors = design["motors"].as_array().unwrap();
     assert_eq!(motors.len(), 26);
     // Motors without an inertia of their rotor come behind the others.
-    let (known, unknown): (Vec<&Value>, Vec<&Value>) = motors
+    let (known, unknown): (Vec<&serde_json::Value>, Vec<&serde_json::Value>) = motors
         .iter()
         .partition(|motor| motor["inertia_ratio"].is_number());
     assert!(known.len() >= 5 && unknown.len() >= 5);
