@@ -192,7 +192,7 @@ fn a_machine_that_passes_a_parallel_singularity_says_so() {
     assert!(
         ending
             .to_string()
-            .starts_with("passes a parallel singularity at t = ")
+            .starts_with("the machine passes a parallel singularity at t = ")
     );
     assert!(
         outcome.balance.error().abs() < 1e-6,

@@ -545,6 +545,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     }
 
     /// The tool of the job goes off for good. The first place of a job counts: on the way to rest the path is left without the tool.
+    #[inline(never)] // size: docs/size.md, rule 3
     fn leave(&mut self) {
         if let (None, true, Path::Move | Path::Ended, Some(current)) =
             (self.left, plays(self.state), self.path, &self.current)
@@ -557,6 +558,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     }
 
     /// The job is over: a host is told where it was left, if it was.
+    #[inline(never)] // size: docs/size.md, rule 3
     fn tell_left(&mut self) {
         if let Some(left) = self.left.take() {
             self.interrupted = Some(left);
