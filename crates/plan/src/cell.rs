@@ -25,7 +25,9 @@ use trirrr_core::inverse::{LegMotion, LegPosition, Rotation};
 use trirrr_core::limits::Limits;
 #[cfg(feature = "std")]
 use trirrr_core::machine::BuildError;
-use trirrr_core::model::{Model, OfKind};
+use trirrr_core::model::Model;
+#[cfg(feature = "std")]
+use trirrr_core::model::OfKind;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::status::Status;

@@ -143,6 +143,7 @@ pub(crate) struct PieceJoint<N> {
 }
 
 /// Scale of x = (dp/dt)^2 from the end of `before` to the start of `after`; none at a corner.
+#[cfg(feature = "std")]
 pub(crate) fn joint<N: Number>(before: &Piece<N>, after: &Piece<N>) -> Option<N> {
     PieceJoint::of(before, after).map(|joint| joint.scale)
 }
