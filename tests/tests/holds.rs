@@ -2,7 +2,7 @@
 //! itself plays them, in virtual time.
 
 use std::collections::HashSet;
-use trirrr_client::local::{self, LocalService};
+use trirrr_client::local::{self, HostNumber, LocalService};
 use trirrr_core::setpoint::{Quintics, Segment};
 // It holds the services of all number types and models: compiled there, they need not be compiled here.
 use trirrr_host_sim as _;
@@ -128,7 +128,7 @@ impl<'a, N: ServiceNumber> Bench<'a, N> {
 
 /// Plays the job once at `percent` of normal speed, with a hold wherever a tick of it was not `seen` yet; and one in the
 /// midst of some resumes.
-fn play<N: ServiceNumber>(
+fn play<N: HostNumber>(
     scene: &Scene,
     told: &LongestStop,
     percent: u8,

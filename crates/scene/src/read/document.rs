@@ -163,14 +163,13 @@ impl<'t> Document<'t> {
             let part = self.parts.iter().position(names);
             (part.map(|part| part + 1), problem.line)
         });
-        if self.more.get() > 0 {
+        // At the place of the last one that is told: a page shows each beside its line.
+        if let Some(last) = problems.last().filter(|_| self.more.get() > 0).cloned() {
             problems.push(Problem {
-                source: None,
-                line: 0,
-                column: 0,
                 key: String::new(),
                 value: None,
                 reason: format!("and {} more like these", self.more.get()),
+                ..last
             });
         }
         SceneError::Refused {
