@@ -94,7 +94,10 @@ impl Host {
         self.reach();
         if !self.process.is_attached {
             self.note();
-            return self.restart();
+            // A machine that never had a part of it has nothing to go on with.
+            if self.journal.is_some_and(|mark| mark.begun().is_some()) {
+                return self.restart();
+            }
         }
         self.rest = Rc::new(rest(self.process.mark.reached));
         self.journal = None;
