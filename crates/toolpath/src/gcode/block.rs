@@ -227,7 +227,7 @@ fn no_code(tenths: u32) -> RefusalKind {
     let whole = tenths / 10;
     // Codes with fractions of their own, some of which are not supported.
     let has_fractions = matches!(whole, 28 | 30 | 61 | 64 | 90 | 91 | 92);
-    match tenths % 10 != 0 && !has_fractions && codes::general(whole * 10).is_ok() {
+    match !tenths.is_multiple_of(10) && !has_fractions && codes::general(whole * 10).is_ok() {
         true => RefusalKind::NotWhole,
         false => RefusalKind::Unsupported,
     }
