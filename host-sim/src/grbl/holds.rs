@@ -184,7 +184,7 @@ struct Figures {
 /// The engraving machine with a door, an output and an input, that plans paths.
 fn scene() -> Scene {
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/../scenes/engraving.toml");
-    let text = std::fs::read_to_string(file).unwrap();
+    let text = include_str!("../../../scenes/engraving.toml");
     let more = "[inputs.door]\n\n[inputs.probe]\n\n[[io.outputs]]\nname = \"air\"\n\n[[io.inputs]]\nname = \"sheet\"\n\n[service]\nplans_paths = true";
     Scene::parse(&text.replacen("[service]", more, 1), file).unwrap()
 }

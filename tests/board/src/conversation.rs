@@ -10,7 +10,7 @@ use trirrr_bench::sent::Sent;
 use trirrr_client::transport::Frames;
 use trirrr_client::{Action, JobClient, JobFailure, JobWork, Patience, UserCommand};
 use trirrr_protocol::message::{Message, Reply, Telemetry, TelemetryFields};
-use trirrr_service::ServiceNumber;
+use trirrr_client::local::HostNumber;
 
 /// Longest look at the line while there is something else to do.
 const LOOK: Duration = Duration::from_millis(2);
@@ -152,7 +152,7 @@ impl Conversation {
     ///
     /// # Errors
     /// The job does not end as it should, or `see` complains.
-    pub(crate) fn play<N: ServiceNumber>(
+    pub(crate) fn play<N: HostNumber>(
         &mut self,
         expected: &Expected<N>,
         work: impl Into<JobWork<N>>,
@@ -168,7 +168,7 @@ impl Conversation {
     ///
     /// # Errors
     /// The job does not end, or `see` complains.
-    pub(crate) fn converse<N: ServiceNumber>(
+    pub(crate) fn converse<N: HostNumber>(
         &mut self,
         expected: &Expected<N>,
         work: impl Into<JobWork<N>>,
@@ -266,7 +266,7 @@ impl Conversation {
     }
 
     /// Hands on what reaches the client.
-    fn hear<N: ServiceNumber>(&mut self, client: &mut JobClient<N>, now: Duration) -> Result<()> {
+    fn hear<N: HostNumber>(&mut self, client: &mut JobClient<N>, now: Duration) -> Result<()> {
         while let Some(bytes) = self.to_client.receive() {
             let mut messages: Vec<Message<N>> = Vec::new();
             self.frames
@@ -301,7 +301,7 @@ impl Conversation {
     }
 
     /// Now and then the user holds the job, and resumes it.
-    fn ask_for_holds<N: ServiceNumber>(&mut self, client: &mut JobClient<N>) {
+    fn ask_for_holds<N: HostNumber>(&mut self, client: &mut JobClient<N>) {
         if let Some(random) = &mut self.random
             && random.below(HOLD_EVERY) == 0
         {

@@ -10,7 +10,7 @@ use trirrr_bench::faulty_link::Random;
 use trirrr_bench::trajectory_checker::TrajectoryChecker;
 use trirrr_protocol::message::{Acting, AnyMove, Message, State, Telemetry};
 use trirrr_scene::{JobMove, Scene};
-use trirrr_service::ServiceNumber;
+use trirrr_client::local::HostNumber;
 
 /// The board sends a sample of each tick; on a clock that an emulator may not keep, the next one comes within this time.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -22,7 +22,7 @@ const BACK_S: f64 = 2.0;
 const LONGEST_SILENCE: f64 = 2.5;
 
 /// Lets `seconds` of the job of `scene`, over and over, be cut off `cuts` times.
-pub(crate) fn run<N: ServiceNumber>(
+pub(crate) fn run<N: HostNumber>(
     scene: &Scene,
     mut port: Port,
     cuts: u32,
@@ -108,7 +108,7 @@ fn there_and_back(scene: &Scene, seconds: f64) -> Scene {
 }
 
 /// All samples of the path, whoever was connected.
-struct Witness<'e, N: ServiceNumber> {
+struct Witness<'e, N: HostNumber> {
     expected: &'e Expected<N>,
     checker: TrajectoryChecker<N>,
     /// Ticks of the path before each move.
@@ -126,7 +126,7 @@ struct Witness<'e, N: ServiceNumber> {
     last: State,
 }
 
-impl<'e, N: ServiceNumber> Witness<'e, N> {
+impl<'e, N: HostNumber> Witness<'e, N> {
     fn new(expected: &'e Expected<N>, moves: &[AnyMove<N>]) -> Self {
         let mut total = 0;
         let begins = moves.iter().map(|each| {

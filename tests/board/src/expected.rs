@@ -15,13 +15,12 @@ use trirrr_scene::Scene;
 use trirrr_scene::offer;
 use trirrr_scene::pipeline::{self, Pipeline};
 use trirrr_service::HomingCoefficients;
-use trirrr_service::ServiceNumber;
 
 /// Ticks after which the host's own machine is taken for one that does not come to an end.
 const LONGEST: usize = 1_000_000;
 
 /// A scene in the number type `N`.
-pub(crate) struct Expected<N: ServiceNumber> {
+pub(crate) struct Expected<N: HostNumber> {
     pub(crate) scene: Scene,
     pub(crate) hello: Hello,
     pub(crate) units: Units,
@@ -102,7 +101,7 @@ pub(crate) enum HomingInputs {
 }
 
 /// Ticks of a board that follow from one command, and what it does until then.
-pub(crate) struct Stretch<N: ServiceNumber> {
+pub(crate) struct Stretch<N: HostNumber> {
     /// The sample of any tick before.
     pub(crate) standing: Telemetry<N>,
     /// The samples of every tick, and of the first one in which it stands again.
@@ -110,7 +109,7 @@ pub(crate) struct Stretch<N: ServiceNumber> {
 }
 
 /// The host's own machine and its client.
-struct Host<'a, N: ServiceNumber> {
+struct Host<'a, N: HostNumber> {
     machine: &'a mut dyn LocalService<N>,
     switches: Option<RuledSwitches<'a, N>>,
     drives: Option<ObeyingDrives<N>>,
@@ -120,7 +119,7 @@ struct Host<'a, N: ServiceNumber> {
     offered: usize,
 }
 
-impl<N: ServiceNumber> Host<'_, N> {
+impl<N: HostNumber> Host<'_, N> {
     fn play(mut self, hello: Hello) -> Result<Vec<Stretch<N>>> {
         if let Reply::Hello(identity) = self.ask(Command::Hello(hello)) {
             self.sequence = identity.next_sequence;

@@ -23,7 +23,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 use trirrr_client::transport::Address;
 use trirrr_scene::{NumberType, Scene, in_number_type};
-use trirrr_service::ServiceNumber;
+use trirrr_client::local::HostNumber;
 
 #[derive(Parser)]
 #[command(about = "Tests of a board over its line")]
@@ -131,7 +131,7 @@ fn main() -> Result<()> {
     in_number_type!(number, N => run::<N>(&test, board, &scene))
 }
 
-fn run<N: ServiceNumber>(test: &Test, board: &Board, scene: &Scene) -> Result<()> {
+fn run<N: HostNumber>(test: &Test, board: &Board, scene: &Scene) -> Result<()> {
     let expected = || Expected::<N>::of(scene);
     let port = port::Port::open(
         &board.port,

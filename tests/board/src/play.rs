@@ -8,7 +8,7 @@ use std::ops::ControlFlow;
 use trirrr_client::JobFailure;
 use trirrr_protocol::message::scene::{Section, SectionName};
 use trirrr_protocol::message::{Command, Reply, State, Telemetry};
-use trirrr_service::ServiceNumber;
+use trirrr_client::local::HostNumber;
 
 /// Looks at a board until it has the state that it was asked for: drives take some ticks to go on and off.
 const ATTEMPTS: u32 = 1000;
@@ -17,7 +17,7 @@ const ATTEMPTS: u32 = 1000;
 /// (12), tool.
 const VALUES: usize = 27;
 
-pub(crate) fn run<N: ServiceNumber>(
+pub(crate) fn run<N: HostNumber>(
     mut expected: Expected<N>,
     mut port: Port,
     inputs: HomingInputs,
@@ -81,7 +81,7 @@ pub(crate) fn run<N: ServiceNumber>(
 }
 
 /// Gives the platform of the board another mass. Returns what the host computes for that scene; the board keeps its key.
-fn with_mass<N: ServiceNumber>(
+fn with_mass<N: HostNumber>(
     expected: &Expected<N>,
     port: &mut Port,
     mass_kg: f64,
@@ -125,7 +125,7 @@ fn with_mass<N: ServiceNumber>(
 }
 
 /// Compares sample by sample.
-struct Player<'a, N: ServiceNumber> {
+struct Player<'a, N: HostNumber> {
     stretches: &'a [Stretch<N>],
     /// Of these the one under way,
     stretch: usize,
@@ -143,7 +143,7 @@ struct Player<'a, N: ServiceNumber> {
     longest: u32,
 }
 
-impl<N: ServiceNumber> Player<'_, N> {
+impl<N: HostNumber> Player<'_, N> {
     fn see(&mut self, sample: &Telemetry<N>, moment: Moment) -> Result<ControlFlow<()>> {
         if moment.quiet {
             self.timed += 1;

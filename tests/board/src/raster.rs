@@ -12,7 +12,7 @@ use trirrr_plan::course::PathPiece;
 use trirrr_plan::piece::Piece;
 use trirrr_protocol::message::{FULL_LEVEL, LEVEL_PARTS, LevelRange, Telemetry, TelemetryFields};
 use trirrr_scene::{JobLevels, JobMove, JobPath, LevelRow, Scene, Tool, offer};
-use trirrr_service::ServiceNumber;
+use trirrr_client::local::HostNumber;
 
 /// Length of a pixel, m.
 const PITCH_M: f64 = 1e-4;
@@ -171,7 +171,7 @@ impl RasterJob {
     }
 }
 
-pub(crate) fn run<N: ServiceNumber>(
+pub(crate) fn run<N: HostNumber>(
     expected: &Expected<N>,
     mut port: Port,
     seconds: f64,

@@ -6,13 +6,13 @@ use anyhow::{Result, bail};
 use std::time::{Duration, Instant};
 use trirrr_client::describe::{self, Units};
 use trirrr_protocol::message::{Command, Identity, Reply, Status};
-use trirrr_service::ServiceNumber;
+use trirrr_client::local::HostNumber;
 
 /// From one look at the board to the next, while nothing has happened.
 const LOOK: Duration = Duration::from_millis(100);
 
 /// Asks the board until it has failed, or for `patience`, and prints what it says.
-pub(crate) fn run<N: ServiceNumber>(
+pub(crate) fn run<N: HostNumber>(
     expected: &Expected<N>,
     mut port: Port,
     patience: Duration,
@@ -33,7 +33,7 @@ pub(crate) fn run<N: ServiceNumber>(
 }
 
 /// Both answers; none where one does not come.
-fn ask<N: ServiceNumber>(
+fn ask<N: HostNumber>(
     expected: &Expected<N>,
     port: &mut Port,
 ) -> Result<Option<(Identity, Status<N>)>> {
@@ -49,7 +49,7 @@ fn ask<N: ServiceNumber>(
     }
 }
 
-fn print<N: ServiceNumber>(identity: &Identity, status: &Status<N>) {
+fn print<N: HostNumber>(identity: &Identity, status: &Status<N>) {
     let units = Units::of(identity);
     println!(
         "firmware: {}",

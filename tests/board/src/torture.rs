@@ -10,12 +10,12 @@ use trirrr_bench::job::random_job;
 use trirrr_bench::trajectory_checker::TrajectoryChecker;
 use trirrr_protocol::message::State;
 use trirrr_scene::{JobMove, Scene, offer};
-use trirrr_service::ServiceNumber;
+use trirrr_client::local::HostNumber;
 
 /// Standard deviations that the share of damaged frames may be from what was asked for.
 const DEVIATIONS: f64 = 6.0;
 
-pub(crate) fn run<N: ServiceNumber>(
+pub(crate) fn run<N: HostNumber>(
     expected: &Expected<N>,
     mut port: Port,
     frames: u64,

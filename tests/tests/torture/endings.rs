@@ -472,7 +472,7 @@ impl World {
             self.tick(machine, &mut messages);
             for message in &messages {
                 let is_sample = matches!(message, Message::Telemetry(_));
-                if !is_cut && !(is_unseen && is_sample) {
+                if !(is_cut || is_unseen && is_sample) {
                     client.receive(message, now);
                 }
             }

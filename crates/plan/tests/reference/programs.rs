@@ -254,7 +254,7 @@ fn piece(
                 } else {
                     draw.within(0.2, 1.0)
                 };
-            ahead(if index % 2 == 0 { way } else { -way }, *heading)
+            ahead(if index.is_multiple_of(2) { way } else { -way }, *heading)
         }
         Kind::Grid => {
             let step = draw.among(&[1e-5, 2e-5, 3e-5]);

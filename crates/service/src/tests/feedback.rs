@@ -449,10 +449,10 @@ fn a_restart_is_told_before_it_is_acknowledged() {
     let told = |rig: &mut Rig<f64>, legs: [bool; 3]| {
         let angle = |leg: usize| legs[leg].then_some(angles[leg]);
         let angles = [angle(0), angle(1), angle(2)];
-        let wanted = Some(NotEnabled::Restarted { angles });
+        let wanted = NotEnabled::Restarted { angles };
         assert_eq!(rig.enable(), State::Disabled);
-        assert_eq!(rig.bench.status().not_enabled, wanted);
-        assert!(wanted.unwrap().wants_acknowledgement());
+        assert_eq!(rig.bench.status().not_enabled, Some(wanted));
+        assert!(wanted.wants_acknowledgement());
     };
     // That fault is acknowledged, and not where the joint is.
     rig.bench.done(Command::ClearFault);
