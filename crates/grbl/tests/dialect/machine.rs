@@ -173,6 +173,8 @@ impl Machine {
 
     /// Plays the queue for a time, and looks at itself.
     fn play(&mut self, mut time: Duration) {
+        // A driver starts what fills the queue.
+        self.is_started |= self.queue.len() >= 16;
         while self.is_started && !self.is_held {
             let Some((to, left)) = self.queue.front_mut() else {
                 break;
