@@ -4,7 +4,7 @@
 //! [`Linkage::read`] reads and checks a file, and compares Gruebler's count with the drives
 //! ([`Mobility`]). It orders the links into groups ([`Group`]): driven links, dyads, and larger
 //! groups. [`track()`] solves the groups in that order at every step: dyads in closed form, larger
-//! groups by Newton-Raphson. [`write()`] writes a table and figures, [`header`] and [`summary`]
+//! groups by Newton-Raphson. [`files()`] gives a table and figures, [`header`] and [`summary`]
 //! describe the result.
 //!
 //! ```
