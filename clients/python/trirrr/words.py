@@ -251,7 +251,7 @@ def firmware(build: Any) -> str:
 
 def wants_acknowledgement(found: Any) -> bool:
     """Whether a ``ClearFault`` has to come before the next ``Enable``."""
-    return found.name == "Restarted" or found.name == "Drive" and found.content["error"] != 0
+    return bool(found.name == "Restarted" or found.name == "Drive" and found.content["error"] != 0)
 
 
 def not_enabled(found: Any) -> str:
