@@ -8,9 +8,9 @@ use std::ops::ControlFlow;
 use std::time::{Duration, Instant};
 use trirrr_bench::faulty_link::Random;
 use trirrr_bench::trajectory_checker::TrajectoryChecker;
+use trirrr_client::local::HostNumber;
 use trirrr_protocol::message::{Acting, AnyMove, Message, State, Telemetry};
 use trirrr_scene::{JobMove, Scene};
-use trirrr_client::local::HostNumber;
 
 /// The board sends a sample of each tick; on a clock that an emulator may not keep, the next one comes within this time.
 const PATIENCE: Duration = Duration::from_secs(60);

@@ -21,9 +21,9 @@ use clap::{Args, Parser, Subcommand};
 use expected::{Expected, HomingInputs};
 use std::path::PathBuf;
 use std::time::Duration;
+use trirrr_client::local::HostNumber;
 use trirrr_client::transport::Address;
 use trirrr_scene::{NumberType, Scene, in_number_type};
-use trirrr_client::local::HostNumber;
 
 #[derive(Parser)]
 #[command(about = "Tests of a board over its line")]

@@ -6,9 +6,9 @@ use crate::port::{self, Port};
 use anyhow::{Context, Result, bail, ensure};
 use std::ops::ControlFlow;
 use trirrr_client::JobFailure;
+use trirrr_client::local::HostNumber;
 use trirrr_protocol::message::scene::{Section, SectionName};
 use trirrr_protocol::message::{Command, Reply, State, Telemetry};
-use trirrr_client::local::HostNumber;
 
 /// Looks at a board until it has the state that it was asked for: drives take some ticks to go on and off.
 const ATTEMPTS: u32 = 1000;

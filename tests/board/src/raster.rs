@@ -7,12 +7,12 @@ use anyhow::{Context, Result, ensure};
 use std::ops::ControlFlow;
 use trirrr_bench::faulty_link::Random;
 use trirrr_client::JobWork;
+use trirrr_client::local::HostNumber;
 use trirrr_core::setpoint::{Pose, Quintics, Segment};
 use trirrr_plan::course::PathPiece;
 use trirrr_plan::piece::Piece;
 use trirrr_protocol::message::{FULL_LEVEL, LEVEL_PARTS, LevelRange, Telemetry, TelemetryFields};
 use trirrr_scene::{JobLevels, JobMove, JobPath, LevelRow, Scene, Tool, offer};
-use trirrr_client::local::HostNumber;
 
 /// Length of a pixel, m.
 const PITCH_M: f64 = 1e-4;

@@ -5,8 +5,8 @@ use crate::port::Port;
 use anyhow::{Result, bail};
 use std::time::{Duration, Instant};
 use trirrr_client::describe::{self, Units};
-use trirrr_protocol::message::{Command, Identity, Reply, Status};
 use trirrr_client::local::HostNumber;
+use trirrr_protocol::message::{Command, Identity, Reply, Status};
 
 /// From one look at the board to the next, while nothing has happened.
 const LOOK: Duration = Duration::from_millis(100);

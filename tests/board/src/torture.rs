@@ -8,9 +8,9 @@ use std::ops::ControlFlow;
 use trirrr_bench::faulty_link::{Fault, Random};
 use trirrr_bench::job::random_job;
 use trirrr_bench::trajectory_checker::TrajectoryChecker;
+use trirrr_client::local::HostNumber;
 use trirrr_protocol::message::State;
 use trirrr_scene::{JobMove, Scene, offer};
-use trirrr_client::local::HostNumber;
 
 /// Standard deviations that the share of damaged frames may be from what was asked for.
 const DEVIATIONS: f64 = 6.0;
