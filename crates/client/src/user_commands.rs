@@ -65,7 +65,7 @@ impl UserCommands {
         }
     }
 
-    /// What was on its way may not have come, or was not taken: it is asked again.
+    /// Commands on their way may not have come, or were not taken: they are asked again.
     pub(crate) fn recall(&mut self) {
         self.is_asked = false;
     }

@@ -153,7 +153,7 @@ pub fn short(value: f64) -> String {
     rounded(value, 4)
 }
 
-/// What is a number with few digits but for the rounding of binary64 stays that number.
+/// A number with few digits, but for the rounding of binary64, stays that number.
 const BELOW: f64 = 1.0 - 1e-12;
 
 /// The next number with so many significant digits that is not less than `value`, which is not negative.

@@ -1,7 +1,7 @@
 //! RAM of images for the RP2040, whose program runs in it: an estimate, before anything is compiled.
 //!
-//! The parts were measured on images of shipped scenes (`size -A` of `cargo fw-rp2040`). An image that is larger than its estimate is
-//! refused by the linker.
+//! The parts were measured on images of shipped scenes (`size -A` of `cargo fw-rp2040`), except inputs and power lists: these two are
+//! guesses. An image that is larger than its estimate is refused by the linker.
 
 use crate::board::is_path;
 use std::fmt::Write;

@@ -162,7 +162,7 @@ impl Bench<'_> {
         panic!("it does not come: {}", self.told());
     }
 
-    /// What was said, without reports.
+    /// Lines that were said, without reports.
     fn told(&self) -> String {
         let lines = self.said.lines().filter(|line| !line.starts_with('<'));
         lines.collect::<Vec<_>>().join("\n")

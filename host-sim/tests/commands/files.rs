@@ -1,4 +1,4 @@
-//! What a command reads, and what it did not write itself, is there byte for byte afterwards.
+//! Files that a command reads, and files that it did not write itself, are there byte for byte afterwards.
 
 use std::collections::BTreeMap;
 use std::fs;

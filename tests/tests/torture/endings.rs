@@ -1,7 +1,7 @@
 //! Streams of a job that end in all ways at random instants, and are resumed until the job is complete: host and machine as they are, the
 //! clock and the line made up.
 //!
-//! What has to hold: the whole path of the job is passed with its tool, no tool is on at rest or while the job is not played, and no stream
+//! Conditions that have to hold: the whole path of the job is passed with its tool, no tool is on at rest or while the job is not played, and no stream
 //! hangs.
 
 use std::time::Duration;
@@ -213,7 +213,7 @@ enum End {
     Power,
 }
 
-/// What a conversation has ended with, for whoever looks for the cause.
+/// The ending of a conversation, for whoever looks for the cause.
 fn why(client: &JobClient<f32>, failure: &JobFailure<f32>) -> String {
     format!("{} ({failure:?})", client.describe(failure))
 }

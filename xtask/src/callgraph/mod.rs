@@ -13,7 +13,7 @@
 //! and so on: each handler of the vector table once, whatever its priority, for none interrupts itself. With
 //! each comes the frame that the processor saves, the floating-point registers included where there are
 //! any. A handler that ends the program for good, by starting at the stack's top again, counts as its frame.
-//! What has no handler of its own ends in the default one, that of a hard fault; it counts once.
+//! An exception with no handler of its own ends in the default one, that of a hard fault; it counts once.
 //!
 //! **Panics.** From no handler of an interrupt or exception can a function of `core::panicking` be
 //! reached, nor the panic handler, nor an instruction that faults on purpose.

@@ -25,7 +25,7 @@ const KNOWN: f64 = 0.02;
 struct Machine<P: Protocol, const LONGEST: usize> {
     service: Service<'static, Measuring<'static>>,
     bench: Bench<P, LONGEST>,
-    /// What happens is written here, for failures.
+    /// Events are written here, for failures.
     story: String,
 }
 
