@@ -53,6 +53,9 @@ pub(crate) trait CanBus {
     /// Lets a drive fail.
     fn fail(&mut self, leg: usize, failure: DriveFailure);
 
+    /// Gives a drive its power back. It counts `turns` of its rotor more than before.
+    fn restart(&mut self, leg: usize, turns: f64);
+
     /// Share of the time since the start in which frames were on the wire.
     fn load(&self) -> f64;
 
@@ -200,6 +203,10 @@ impl<const LONGEST: usize> CanBus for DriveBus<LONGEST> {
             DriveFailure::Unplugged => drive.die(),
             DriveFailure::Hot => drive.heat(),
         }
+    }
+
+    fn restart(&mut self, leg: usize, turns: f64) {
+        self.medium.drive(leg).restart(turns);
     }
 
     fn load(&self) -> f64 {

@@ -5,7 +5,7 @@ use crate::time::{MS, SECOND, Time, seconds};
 use anyhow::{Result, anyhow, bail};
 use std::time::Duration;
 use trirrr_client::transport::Frames;
-use trirrr_client::{Action, JobClient, Patience};
+use trirrr_client::{Action, JobClient, Patience, UserCommand};
 use trirrr_protocol::message::{Message, Request, Telemetry, TelemetryFields};
 use trirrr_scene::Scene;
 
@@ -89,10 +89,14 @@ pub(crate) struct Host {
 impl Host {
     /// Creates a host with the scene's job.
     pub(crate) fn new(scene: &Scene) -> Result<Self> {
+        Self::in_conversation(scene, 7)
+    }
+
+    fn in_conversation(scene: &Scene, conversation: u32) -> Result<Self> {
         let units = trirrr_scene::units::<f32>(scene).map_err(|error| anyhow!("{error}"))?;
         let hello = trirrr_client::local::hello::<f32>(scene);
         let moves = trirrr_scene::offer::moves::<f32>(scene, &units);
-        let client = JobClient::new(moves, hello, 1, Patience::default(), 7);
+        let client = JobClient::new(moves, hello, 1, Patience::default(), conversation);
         let client = client.with_outputs(&scene.job.outputs);
         Ok(Self {
             client: client.with_fields(FIELDS),
@@ -101,6 +105,24 @@ impl Host {
             ended: None,
             is_cut: false,
         })
+    }
+
+    /// Creates the next host of a board: it acknowledges what is latched, and brings the machine to the start of the job in `seconds`.
+    pub(crate) fn recovering(
+        scene: &Scene,
+        board: &mut Board,
+        conversation: u32,
+        seconds: f64,
+    ) -> Result<Self> {
+        let mut host = Self::in_conversation(scene, conversation)?;
+        host.client = host.client.with_recovery(seconds);
+        host.line.drop_all(board);
+        Ok(host)
+    }
+
+    /// Gives the machine a command of the user.
+    pub(crate) fn command(&mut self, command: UserCommand) {
+        self.client.command(command);
     }
 
     /// Returns the client of the job.

@@ -7,9 +7,10 @@ use crate::chip::{Crystal, Kind, SYS_TICK};
 use crate::cpu::Board;
 use crate::host::Host;
 use crate::time::{MS, SECOND, Time, of_seconds};
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use embedded_can::{Frame, Id};
 use std::f64::consts::TAU;
+use trirrr_protocol::message::State;
 use trirrr_scene::{CanProtocol, Scene};
 
 /// Command of CANSimple with a position, and bits of it in an identifier.
@@ -23,12 +24,12 @@ const MOVE: [u8; 5] = [0x01, 0x00, 0x0A, 0x0F, 0x20];
 const FRAME_ERROR_RAD: f64 = 1e-4;
 
 /// Torque of a drive that is off, N m.
-const NO_TORQUE: f64 = 1e-9;
+pub(super) const NO_TORQUE: f64 = 1e-9;
 
 /// Time between looks at the machine.
-const LOOK: Time = MS / 4;
+pub(super) const LOOK: Time = MS / 4;
 
-fn bus(board: &mut Board) -> Result<&mut (dyn CanBus + 'static)> {
+pub(super) fn bus(board: &mut Board) -> Result<&mut (dyn CanBus + 'static)> {
     board.chip().bus.as_deref_mut().context("a bus")
 }
 
@@ -262,21 +263,31 @@ fn in_mid_move(subject: &Subject) -> Result<(Board, Host)> {
     let mut board = subject.switch_on()?;
     let mut host = subject.host(&mut board)?;
     let start = bus(&mut board)?.angles();
+    go_into_move(&mut board, &mut host, start)?;
+    Ok((board, host))
+}
+
+/// Goes on until a joint is a tenth of a radian from where it is at the `start` of the job, and the job plays.
+pub(super) fn go_into_move(board: &mut Board, host: &mut Host, start: [f64; 3]) -> Result<()> {
+    let end = board.now() + 6 * SECOND;
     loop {
         let now = board.now();
-        ensure!(now < 6 * SECOND, "no joint has moved within 6 s");
-        host.run(&mut board, now + LOOK)?;
-        let angles = bus(&mut board)?.angles();
-        if angles
-            .iter()
-            .zip(start)
-            .any(|(now, start)| (now - start).abs() > 0.1)
-        {
-            break;
+        ensure!(now < end, "no joint has moved within 6 s");
+        host.run(board, now + LOOK)?;
+        if let Some(Err(told)) = &host.ended {
+            bail!("{told}");
+        }
+        ensure!(host.ended.is_none(), "the job is over before its middle");
+        let angles = bus(board)?.angles();
+        let mut pairs = angles.iter().zip(start);
+        let plays = host
+            .client()
+            .status()
+            .is_some_and(|status| status.state == State::Running);
+        if plays && pairs.any(|(now, start)| (now - start).abs() > 0.1) {
+            return Ok(());
         }
     }
-    ensure!(host.ended.is_none(), "the job is over before its middle");
-    Ok((board, host))
 }
 
 /// Goes on for `seconds` of time. Returns the time since `since` after which no drive had a torque any more.

@@ -8,6 +8,7 @@ mod job;
 mod line;
 mod outputs;
 mod power_up;
+mod reboot;
 mod slots;
 mod update;
 mod usb;
@@ -90,7 +91,7 @@ impl Case {
 }
 
 /// All cases.
-pub(crate) const CASES: [Case; 31] = [
+pub(crate) const CASES: [Case; 32] = [
     Case::of("power-up", Needs::Any, power_up::rest),
     Case::of("crystal", Needs::Any, power_up::crystal),
     Case::of("job", Needs::Steppers, job::run),
@@ -111,6 +112,7 @@ pub(crate) const CASES: [Case; 31] = [
     Case::of("bus-clock", Needs::Bus, can::without_crystal),
     Case::of("bus-off", Needs::Bus, can::wire),
     Case::of("drive", Needs::Bus, can::drive),
+    Case::of("reboot", Needs::Bus, reboot::run),
     Case::of("stop", Needs::Steppers, failures::stop),
     Case::of("update", Needs::Update, update::run),
     Case::of("line", Needs::NoDrives, line::damaged),
