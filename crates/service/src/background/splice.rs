@@ -294,11 +294,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Begins to plan from so many ticks behind a place.
     fn plan_from(&mut self, from: Place, lead: u32) -> Option<bool> {
         let place = self.offered.place_behind(from, lead);
-        let most = |kept| self.offered.capacity().saturating_sub(kept).min(CHAIN);
-        let Some((at, offered, most)) = place
-            .map(|(at, offered, kept)| (at, offered, most(kept)))
-            .filter(|(_, _, most)| *most != 0)
-        else {
+        let most = place.as_ref().map_or(0, |(_, _, kept)| {
+            self.offered.capacity().saturating_sub(*kept).min(CHAIN)
+        });
+        let (Some((at, offered, _)), true) = (&place, most != 0) else {
             return match self.retargeting.get()?.replaces {
                 true => self.follow(),
                 false => self.enter(Phase::Behind),
@@ -308,7 +307,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let start = Segment::new(&offered.ends(), ticks, self.settings.period).at(at.tick);
         let since = self.shared.tick.load(Ordering::Relaxed);
         let retargeting = self.retargeting.get_mut()?;
-        retargeting.at = at;
+        retargeting.at = *at;
         retargeting.since = since;
         let task = RetargetTask {
             start,
@@ -393,7 +392,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
                 return true;
             };
             let paces = self.aim.paces(index);
-            room.add_move(&paces, offered.common.ticks, &measure);
+            room.add_move(paces, offered.common.ticks, &measure);
             if offered.common.ends_at_rest() {
                 rests = offered.common.number.wrapping_add(1);
             }
@@ -412,7 +411,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         }
         for index in 0..count {
             if let Some(offered) = self.planned_offer(index, first) {
-                let queued = self.queued(&offered, self.aim.paces(index));
+                let queued = self.queued(&offered, *self.aim.paces(index));
                 if let (Some(retargeting), Some(splices)) =
                     (self.retargeting.get(), self.splices.get_mut())
                     && let Some(chain) = splices.chains.get_mut(retargeting.chain)

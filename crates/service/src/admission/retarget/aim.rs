@@ -116,8 +116,8 @@ impl<N: Enclose, const JERK: bool> Aim<N, JERK> {
     }
 
     /// Rates at which the pace may change on move `index` of the planned motion.
-    pub(super) fn paces(&self, index: usize) -> MovePaces {
-        self.paces.get(index).copied().unwrap_or(MovePaces::FULL)
+    pub(super) fn paces(&self, index: usize) -> &MovePaces {
+        self.paces.get(index).unwrap_or(&MovePaces::FULL)
     }
 
     /// As [`Retarget::planned`].

@@ -137,7 +137,7 @@ pub trait Aiming<N: Enclose>: Sized {
     fn planned(&self, index: usize) -> Option<QuinticMove<N>>;
 
     /// Rates at which the pace may change on move `index` of the planned motion.
-    fn paces(&self, index: usize) -> MovePaces;
+    fn paces(&self, index: usize) -> &MovePaces;
 
     /// Returns true if there is work, done or not.
     fn is_under_way(&self) -> bool;
@@ -160,8 +160,8 @@ impl<N: Enclose> Aiming<N> for () {
     }
 
     #[inline(always)]
-    fn paces(&self, _: usize) -> MovePaces {
-        MovePaces::FULL
+    fn paces(&self, _: usize) -> &MovePaces {
+        &MovePaces::FULL
     }
 
     #[inline(always)]
@@ -185,9 +185,10 @@ impl<N: Enclose, const JERK: bool> Aiming<N> for Option<Aim<N, JERK>> {
         self.as_ref()?.planned(index)
     }
 
-    fn paces(&self, index: usize) -> MovePaces {
+    #[inline(never)] // size: docs/size.md, rule 3
+    fn paces(&self, index: usize) -> &MovePaces {
         self.as_ref()
-            .map_or(MovePaces::FULL, |aim| aim.paces(index))
+            .map_or(&MovePaces::FULL, |aim| aim.paces(index))
     }
 
     fn is_under_way(&self) -> bool {
