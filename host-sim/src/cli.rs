@@ -24,7 +24,12 @@ use crate::stream::StreamArgs;
 use crate::ui::UiArgs;
 use crate::update::UpdateArgs;
 use crate::watch::WatchArgs;
-use clap::{Parser, Subcommand};
+use clap::builder::ValueParser;
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use std::any::TypeId;
+use std::ffi::OsString;
+use std::path::PathBuf;
+use trirrr_client::transport::Address;
 
 /// Simulator and host tools for the planar 3-RRR manipulator.
 ///
@@ -38,6 +43,47 @@ pub struct Cli {
     /// Command to carry out; `run` by default
     #[command(subcommand)]
     pub command: Option<Command>,
+}
+
+impl Cli {
+    /// Returns the syntax of the command line. A value may begin with a minus sign wherever it is not a path, a text or an address:
+    /// `--load-n -5` and `--origin -220,260` are no options.
+    pub(crate) fn syntax() -> clap::Command {
+        with_signed_values(Self::command())
+    }
+
+    /// Reads a command line, whose first word is the program.
+    ///
+    /// # Errors
+    /// The command line is not in the [`syntax`](Self::syntax), or asks for help.
+    pub fn read_from(
+        words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
+    ) -> Result<Self, clap::Error> {
+        Self::from_arg_matches(&Self::syntax().try_get_matches_from(words)?)
+    }
+}
+
+fn with_signed_values(command: clap::Command) -> clap::Command {
+    let command = command.mut_args(|argument| {
+        let is_option = argument.get_long().is_some() && argument.get_action().takes_values();
+        match is_option && !is_free_text(argument.get_value_parser()) {
+            true => argument.allow_hyphen_values(true),
+            false => argument,
+        }
+    });
+    command.mut_subcommands(with_signed_values)
+}
+
+/// Returns `true` if any word at all is a value: an option without its value must not take the next option for it.
+fn is_free_text(parser: &ValueParser) -> bool {
+    let value = parser.type_id();
+    [
+        TypeId::of::<PathBuf>(),
+        TypeId::of::<String>(),
+        TypeId::of::<Address>(),
+    ]
+    .into_iter()
+    .any(|free| value == free)
 }
 
 /// Commands of the program.
@@ -113,25 +159,69 @@ pub enum Command {
 mod tests {
     use super::*;
     use crate::arguments::DEFAULT_SCENE;
-    use clap::CommandFactory;
-    use std::path::PathBuf;
+    use clap::error::ErrorKind;
     use trirrr_scene::NumberType;
 
     #[test]
     fn the_command_line_is_consistent() {
-        Cli::command().debug_assert();
+        Cli::syntax().debug_assert();
+    }
+
+    #[test]
+    fn a_negative_number_is_a_value_of_every_option_that_has_one() {
+        let mut options = 0;
+        for command in Cli::syntax().get_subcommands() {
+            for option in command.get_arguments() {
+                let (Some(name), true) = (option.get_long(), option.get_action().takes_values())
+                else {
+                    continue;
+                };
+                if is_free_text(option.get_value_parser()) {
+                    continue;
+                }
+                options += 1;
+                let count = option.get_num_args().map_or(1, |count| count.min_values());
+                for value in ["-5", "-.5", "-5e-3", "-5,-6,-7", "-inf"] {
+                    let name = format!("--{name}");
+                    let mut words = vec!["trirrr", command.get_name(), &name];
+                    words.extend(vec![value; count]);
+                    // Others may lack, and the value may be out of its range: it is the value that is told.
+                    if let Err(error) = Cli::read_from(words) {
+                        let kind = error.kind();
+                        assert_ne!(kind, ErrorKind::UnknownArgument, "{error}");
+                        assert!(!error.to_string().contains("-- -"), "{error}");
+                    }
+                }
+            }
+        }
+        assert!(options > 100, "{options}");
+        let load = ["trirrr", "design", "--load-n", "-5"];
+        let error = Cli::read_from(load).unwrap_err().to_string();
+        assert!(error.contains("'-5' for '--load-n"), "{error}");
+        let place = [
+            "trirrr", "goto", "--port", "tcp:a:1", "--x", "-0.1", "--y", "-.2",
+        ];
+        let Some(Command::Goto(goto)) = Cli::read_from(place).unwrap().command else {
+            panic!("not goto");
+        };
+        assert_eq!([goto.x, goto.y], [-0.1, -0.2]);
+        // A value that is forgotten is not the next option.
+        let forgotten = ["trirrr", "run", "--out", "--fast"];
+        assert!(Cli::read_from(forgotten).is_err());
     }
 
     #[test]
     fn the_defaults_are_those_of_the_contract() {
-        let cli = Cli::parse_from(["trirrr"]);
+        let cli = Cli::read_from(["trirrr"]).unwrap();
         assert!(cli.command.is_none());
-        let Some(Command::Run(run)) = Cli::parse_from(["trirrr", "run"]).command else {
+        let Some(Command::Run(run)) = Cli::read_from(["trirrr", "run"]).unwrap().command else {
             panic!("not run");
         };
         assert_eq!(run.scene, PathBuf::from(DEFAULT_SCENE));
         assert!(!run.fast && run.out.is_none() && run.scalar.is_none());
-        let Some(Command::Eval(eval)) = Cli::parse_from(["trirrr", "eval", "a.csv"]).command else {
+        let Some(Command::Eval(eval)) =
+            Cli::read_from(["trirrr", "eval", "a.csv"]).unwrap().command
+        else {
             panic!("not eval");
         };
         assert_eq!(eval.scalar, NumberType::F64);
@@ -144,16 +234,16 @@ mod tests {
             "--out",
             "b.csv",
         ];
-        assert!(Cli::try_parse_from(micromath).is_ok());
-        assert!(Cli::try_parse_from(["trirrr", "eval"]).is_err());
+        assert!(Cli::read_from(micromath).is_ok());
+        assert!(Cli::read_from(["trirrr", "eval"]).is_err());
         let linkage = ["trirrr", "linkage", "a.toml"];
-        let Some(Command::Linkage(args)) = Cli::parse_from(linkage).command else {
+        let Some(Command::Linkage(args)) = Cli::read_from(linkage).unwrap().command else {
             panic!("not linkage");
         };
         assert!(args.steps.is_none() && args.out.is_none());
         for steps in ["1", "100001", "-3", "x"] {
             let asked = linkage.into_iter().chain(["--steps", steps]);
-            assert!(Cli::try_parse_from(asked).is_err(), "{steps}");
+            assert!(Cli::read_from(asked).is_err(), "{steps}");
         }
     }
 }

@@ -3,7 +3,7 @@
 use crate::cli::Cli;
 use crate::failure::CliError;
 use crate::terminal::printed;
-use clap::{Args, CommandFactory};
+use clap::Args;
 use clap_complete::Shell;
 use std::io::{self, Write};
 
@@ -22,7 +22,7 @@ pub struct CompletionsArgs {
 /// Failed: standard output cannot be written.
 pub fn command(args: &CompletionsArgs) -> Result<(), CliError> {
     let mut script = Vec::new();
-    clap_complete::generate(args.shell, &mut Cli::command(), "trirrr", &mut script);
+    clap_complete::generate(args.shell, &mut Cli::syntax(), "trirrr", &mut script);
     let mut out = io::stdout().lock();
     printed(out.write_all(&script).and_then(|()| out.flush()))
 }

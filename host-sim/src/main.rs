@@ -2,7 +2,6 @@
 
 #![forbid(unsafe_code)]
 
-use clap::Parser;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,7 +20,8 @@ const INTERRUPTED: u8 = 130;
 
 fn main() -> ExitCode {
     // A bare call does the main job with its defaults, as the parser has them.
-    let command = Cli::parse()
+    let command = Cli::read_from(std::env::args_os())
+        .unwrap_or_else(|error| error.exit())
         .command
         .unwrap_or_else(|| Command::Run(RunArgs::default()));
     let done = match &command {

@@ -34,16 +34,16 @@ pub struct AssembleArgs {
 #[group(multiple = false)]
 pub struct StandingArgs {
     /// Angles of the three motors, degrees
-    #[arg(long, value_name = "TH1,TH2,TH3", allow_hyphen_values = true, value_parser = degrees)]
+    #[arg(long, value_name = "TH1,TH2,TH3", value_parser = degrees)]
     pub angles_deg: Option<[f64; 3]>,
     /// Angles of the three motors, rad
-    #[arg(long, value_name = "TH1,TH2,TH3", allow_hyphen_values = true, value_parser = radians)]
+    #[arg(long, value_name = "TH1,TH2,TH3", value_parser = radians)]
     pub angles_rad: Option<[f64; 3]>,
     /// Pose of the platform: x and y in m, angle in degrees
-    #[arg(long, value_name = "X,Y,ALPHA", allow_hyphen_values = true, value_parser = pose_deg)]
+    #[arg(long, value_name = "X,Y,ALPHA", value_parser = pose_deg)]
     pub at_deg: Option<[f64; 3]>,
     /// Pose of the platform: x and y in m, angle in rad
-    #[arg(long, value_name = "X,Y,ALPHA", allow_hyphen_values = true, value_parser = pose_rad)]
+    #[arg(long, value_name = "X,Y,ALPHA", value_parser = pose_rad)]
     pub at_rad: Option<[f64; 3]>,
 }
 

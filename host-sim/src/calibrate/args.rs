@@ -78,10 +78,10 @@ pub struct CalibrateArgs {
     #[arg(long, value_name = "GROUP", value_parser = group())]
     pub hold: Vec<ParameterGroup>,
     /// Frame of the measuring device in that of the machine: x and y in mm, and its angle in degrees
-    #[arg(long, value_name = "X,Y[,ANGLE]", allow_hyphen_values = true, value_parser = origin)]
+    #[arg(long, value_name = "X,Y[,ANGLE]", value_parser = origin)]
     pub device: Option<[f64; 3]>,
     /// Measured target on the platform, from D: x and y in mm, and its angle in degrees
-    #[arg(long, value_name = "X,Y[,ANGLE]", allow_hyphen_values = true, value_parser = origin)]
+    #[arg(long, value_name = "X,Y[,ANGLE]", value_parser = origin)]
     pub target: Option<[f64; 3]>,
     /// Deviation that is expected of a length or a coordinate of a part, m
     #[arg(long, value_name = "M", default_value_t = 1e-3, value_parser = deviation)]

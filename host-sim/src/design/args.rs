@@ -27,7 +27,7 @@ pub struct DesignArgs {
     #[command(flatten)]
     pub set: SetArgs,
     /// Angle of the platform of the maps, degrees [default: that of the job's start]
-    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true, value_parser = degrees)]
+    #[arg(long, value_name = "DEGREES", value_parser = degrees)]
     pub alpha: Option<f64>,
     /// Angle by which the platform must be able to turn to both sides, degrees: a place counts if it can
     #[arg(long, value_name = "DEGREES", default_value_t = 0.0, value_parser = turn)]

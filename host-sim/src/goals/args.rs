@@ -70,13 +70,13 @@ pub struct GotoArgs {
     #[command(flatten)]
     pub machine: MachineArgs,
     /// x of the pose, m
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M")]
     pub x: f64,
     /// y of the pose, m
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M")]
     pub y: f64,
     /// Angle of the platform, rad [default: as it is]
-    #[arg(long, value_name = "RAD", allow_negative_numbers = true)]
+    #[arg(long, value_name = "RAD")]
     pub alpha: Option<f64>,
 }
 
@@ -92,13 +92,13 @@ pub struct ParkArgs {
     #[command(flatten)]
     pub machine: MachineArgs,
     /// x of the pose, m [default: that of the start of the job]
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M")]
     pub x: Option<f64>,
     /// y of the pose, m [default: that of the start of the job]
-    #[arg(long, value_name = "M", allow_negative_numbers = true)]
+    #[arg(long, value_name = "M")]
     pub y: Option<f64>,
     /// Angle of the platform, rad [default: that of the start of the job]
-    #[arg(long, value_name = "RAD", allow_negative_numbers = true)]
+    #[arg(long, value_name = "RAD")]
     pub alpha: Option<f64>,
 }
 

@@ -15,16 +15,16 @@ use trirrr_linkage::assur::{ArmBranch, ArmError, EndMotion, Linkage, SerialArm, 
 #[derive(Args, Clone, Copy, Debug, Default)]
 pub struct InverseArgs {
     /// Serial arm only: drives for the first traced point of the end link at x, y (m) and the end link's angle, degrees
-    #[arg(long, value_name = "X,Y,ANGLE", allow_hyphen_values = true, value_parser = pose_deg, conflicts_with = "steps")]
+    #[arg(long, value_name = "X,Y,ANGLE", value_parser = pose_deg, conflicts_with = "steps")]
     pub inverse_deg: Option<[f64; 3]>,
     /// The same with the angle in rad
-    #[arg(long, value_name = "X,Y,ANGLE", allow_hyphen_values = true, value_parser = pose_rad, conflicts_with_all = ["inverse_deg", "steps"])]
+    #[arg(long, value_name = "X,Y,ANGLE", value_parser = pose_rad, conflicts_with_all = ["inverse_deg", "steps"])]
     pub inverse_rad: Option<[f64; 3]>,
     /// Velocity of the point, m/s, and rate of the end link, rad/s [default: at rest]
-    #[arg(long, value_name = "VX,VY,RATE", allow_hyphen_values = true, value_parser = velocity)]
+    #[arg(long, value_name = "VX,VY,RATE", value_parser = velocity)]
     pub end_velocity: Option<[f64; 3]>,
     /// Acceleration of the point, m/s^2, and of the end link, rad/s^2 [default: none]
-    #[arg(long, value_name = "AX,AY,ACCELERATION", allow_hyphen_values = true, value_parser = acceleration)]
+    #[arg(long, value_name = "AX,AY,ACCELERATION", value_parser = acceleration)]
     pub end_acceleration: Option<[f64; 3]>,
 }
 

@@ -32,8 +32,7 @@ pub struct ProbeArgs {
         long,
         value_names = ["X", "Y", "ALPHA"],
         num_args = 3,
-        required = true,
-        allow_hyphen_values = true
+        required = true
     )]
     pub to: Vec<f64>,
     /// Duration of the whole way, s
