@@ -9,7 +9,8 @@ use trirrr_scene::NumberType;
 #[derive(Args, Clone, Debug)]
 #[command(after_long_help = EVAL_COLUMNS)]
 pub struct EvalArgs {
-    /// Table of cases (columns: see --help): CSV with a header, or an Arrow IPC file (.arrow, .feather)
+    /// Table of cases (columns: see --help): CSV with a header, or an Arrow IPC file (.arrow, .feather); `-` is
+    /// standard input, CSV
     #[arg(value_name = "CASES.csv|CASES.arrow")]
     pub cases: PathBuf,
     /// Number type to compute in
@@ -43,7 +44,9 @@ Columns of the results, i = 1, 2, 3 side by side:
   tau_i, P_i (named tau1, P1 and so on)
 status is `ok`, or begins with why there are no numbers: `unreachable: leg 1`,
 `serial singular: leg 2`, `parallel singular`, `out of range ...`, or `invalid: ` with column,
-value and reason. Such rows do not change the exit code.
+value and reason. `ok` says that the numbers are in range: in fixed point, links of 30:1 or more
+may cost the digits of torques, so compare such machines with f64. Rows without numbers do not
+change the exit code, unless all rows are such: then it is 1.
 
 Results of f32 and micromath are binary32 numbers, those of f64 and fixed binary64 numbers. CSV has the fewest digits that
 read back as the same bits. Rows are evaluated on all cores, in any number: RAYON_NUM_THREADS says on how many.

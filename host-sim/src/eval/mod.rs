@@ -16,17 +16,20 @@ use trirrr_scene::{NumberType, visible};
 ///
 /// # Errors
 /// Refused: the table cannot be read or lacks a column, a format or number type is not there. Failed: the results cannot
-/// be written.
+/// be written, or no row has numbers.
 pub fn command(args: &EvalArgs) -> Result<(), CliError> {
     let name = args.cases.display().to_string();
     let failed = |error| failure(&name, error);
     let format = TableFormat::of(&args.cases)
         .map_err(|error| CliError::Refused(format!("{name}: {error}")))?;
-    let input = files::open(&args.cases)
-        .map_err(|error| CliError::Refused(format!("{name}: cannot be read: {error}")))?;
+    let open = || {
+        let input = files::open(&args.cases);
+        input.map_err(|error| CliError::Refused(format!("{name}: cannot be read: {error}")))
+    };
     let cases = match format {
-        TableFormat::Csv => Cases::csv(input),
-        TableFormat::Arrow => Cases::arrow(input),
+        _ if files::is_standard_input(&args.cases) => Cases::csv(io::stdin().lock()),
+        TableFormat::Csv => Cases::csv(open()?),
+        TableFormat::Arrow => Cases::arrow(open()?),
     };
     let cases = cases.map_err(failed)?;
     let evaluate = |format, output: &mut dyn Write| {
@@ -50,7 +53,12 @@ pub fn command(args: &EvalArgs) -> Result<(), CliError> {
     // Standard error may be closed; the results are out.
     let (ok, rows) = (counts.ok, counts.rows);
     let _ = writeln!(io::stderr(), "{}: {ok} of {rows} rows ok", visible(&name));
-    Ok(())
+    match ok == 0 && rows > 0 {
+        true => Err(CliError::Failed(format!(
+            "{name}: no row has numbers: the column status of the results says why"
+        ))),
+        false => Ok(()),
+    }
 }
 
 /// Failure of the table called `name`.

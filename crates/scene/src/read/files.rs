@@ -86,7 +86,8 @@ pub fn is_stream(file: &Path) -> bool {
     is_standard_input(file) || fs::metadata(file).is_ok_and(|it| !it.is_file() && !it.is_dir())
 }
 
-fn is_standard_input(file: &Path) -> bool {
+/// Returns true if `file` is `-`, which stands for standard input.
+pub fn is_standard_input(file: &Path) -> bool {
     file == Path::new(STANDARD_INPUT)
 }
 

@@ -2,7 +2,7 @@
 
 use super::{MACHINE, MACHINE_HEADER, STATE, STATE_HEADER};
 use std::fs;
-use std::io::Read;
+use std::io::{Read, Write};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use tempfile::TempDir;
@@ -37,6 +37,42 @@ fn eval(arguments: &[&str], folder: &Path) -> Output {
         .current_dir(folder)
         .output()
         .expect("trirrr starts")
+}
+
+#[test]
+fn standard_input_is_a_table_and_one_without_numbers_fails() {
+    let folder = TempDir::new().unwrap();
+    let evaluated = |row: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_trirrr"))
+            .args(["eval", "-"])
+            .current_dir(folder.path())
+            .stdin(Stdio::piped())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("trirrr starts");
+        let cases = format!("{MACHINE_HEADER},{STATE_HEADER}\n{row}");
+        let mut input = command.stdin.take().unwrap();
+        input.write_all(cases.as_bytes()).unwrap();
+        drop(input);
+        let output = command.wait_with_output().unwrap();
+        let [said, told] = [output.stdout, output.stderr].map(|text| String::from_utf8(text));
+        (output.status.code(), said.unwrap(), told.unwrap())
+    };
+    // 90 m away.
+    let (good, bad) = (
+        format!("{MACHINE},{STATE}\n"),
+        format!("{MACHINE},9{STATE}\n"),
+    );
+    let (code, said, told) = evaluated(&format!("{good}{bad}"));
+    assert_eq!(code, Some(0), "{told}");
+    assert_eq!(said.lines().count(), 3);
+    assert!(told.contains("-: 1 of 2 rows ok"), "{told}");
+    let (code, said, told) = evaluated(&bad);
+    assert_eq!(code, Some(1), "{told}");
+    assert!(said.contains("1,unreachable: leg"), "{said}");
+    assert!(told.contains("no row has numbers"), "{told}");
+    assert_eq!(evaluated("").0, Some(0));
 }
 
 #[test]
