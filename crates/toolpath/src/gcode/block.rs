@@ -4,7 +4,7 @@ use super::modal::MotionMode;
 use super::refusal::{GcodeRefusal, RefusalKind, refusal};
 
 /// Greatest absolute value of a word.
-const GREATEST: f64 = 1e6;
+pub(super) const GREATEST: f64 = 1e6;
 
 /// Word with a value, not a code.
 #[derive(Clone, Copy, Debug)]
@@ -126,7 +126,14 @@ impl<'a> Block<'a> {
 
     fn add_value(&mut self, letter: u8, digits: &str, text: &'a str) -> Result<(), GcodeRefusal> {
         let Some(index) = LETTERS.iter().position(|l| *l == letter) else {
-            return Err(self.refuse(RefusalKind::Unsupported, text, unknown_letter(letter)));
+            let waits = |word: CodeWord<'_, MiscCode>| word.code == MiscCode::Input;
+            let reason = match letter {
+                b'E' if self.miscellaneous().any(waits) => {
+                    "E names an analog input; the inputs here have two levels: name one by P"
+                }
+                letter => unknown_letter(letter),
+            };
+            return Err(self.refuse(RefusalKind::Unsupported, text, reason));
         };
         let value = match digits.parse::<f64>() {
             // Also refuses what overflows to infinity.
@@ -235,9 +242,7 @@ fn no_code(tenths: u32) -> RefusalKind {
 
 fn unknown_letter(letter: u8) -> &'static str {
     match letter {
-        b'E' => {
-            "numbers have no exponents, the machine has no extruder, and inputs have two levels: P"
-        }
+        b'E' => "the machine has no extruder; remove the word",
         b'B' | b'C' | b'U' | b'V' | b'W' => "the machine has no such axis; axes are X, Y and A",
         b'D' | b'H' => "there is no tool table; remove the word",
         _ => "words with this letter are not supported; remove the word",

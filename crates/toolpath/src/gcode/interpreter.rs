@@ -179,7 +179,7 @@ impl Interpreter {
                 }
             }
             LineKind::Words => {
-                let block = words::read(number, scratch)?;
+                let block = words::read(number, text, scratch)?;
                 if !block.is_empty() {
                     self.block(&block, &mut work)?;
                 }

@@ -2,7 +2,7 @@
 //!
 //! The parser goes on after what it does not understand. So every call of the parser must begin where the last one
 //! ended: a gap is refused. Values are read again from the text, because the parser has 32-bit floats.
-use super::block::Block;
+use super::block::{Block, GREATEST};
 use super::refusal::{GcodeRefusal, RefusalKind, refusal};
 use gcode::core::{
     self as parser, BlockVisitor, CommandVisitor, ControlFlow, Diagnostics, Number, ProgramVisitor,
@@ -15,9 +15,10 @@ const MOST_DIGITS: usize = 6;
 /// Greatest line number. Figure of GRBL.
 const GREATEST_LINE: u64 = 10_000_000;
 
-/// Reads the words of a line that has no white space and no comments.
-pub(super) fn read(number: u32, text: &str) -> Result<Block<'_>, GcodeRefusal> {
+/// Reads the words of a `line`, whose `text` has no white space and no comments.
+pub(super) fn read<'a>(number: u32, line: &str, text: &'a str) -> Result<Block<'a>, GcodeRefusal> {
     check_line_number(number, text)?;
+    check_exponents(number, line)?;
     check_decimal_signs(number, text)?;
     check_code_numbers(number, text)?;
     let mut words = Words {
@@ -77,6 +78,50 @@ fn check_line_number(number: u32, text: &str) -> Result<(), GcodeRefusal> {
             Err(refusal(RefusalKind::LineNumber, number, word, reason))
         }
     }
+}
+
+/// Refuses numbers with an exponent, as other programs write them. White space tells them from a word E.
+fn check_exponents(number: u32, line: &str) -> Result<(), GcodeRefusal> {
+    let mut in_comment = false;
+    for (at, c) in line.char_indices() {
+        match c {
+            ';' => break,
+            '(' | ')' => in_comment = c == '(',
+            'e' | 'E' if !in_comment => {
+                if let Some((word, digits)) = with_exponent(line, at) {
+                    let reason = match digits.parse::<f64>() {
+                        Ok(value) if value.abs() <= GREATEST => {
+                            format!("numbers have no exponent; write {}{value}", &word[..1])
+                        }
+                        Ok(_) => {
+                            "numbers have no exponent, and this one is beyond 1,000,000".into()
+                        }
+                        Err(_) => "this is not a number".into(),
+                    };
+                    return Err(refusal(RefusalKind::Unsupported, number, word, &reason));
+                }
+            }
+            _ => {}
+        }
+    }
+    Ok(())
+}
+
+/// Returns the word whose number has the exponent at `at`, and the number.
+fn with_exponent(line: &str, at: usize) -> Option<(&str, &str)> {
+    let before = line[..at].trim_end_matches(|c: char| c.is_ascii_digit() || "+-.".contains(c));
+    let exponent = line[at + 1..].trim_start_matches(['+', '-']);
+    let signs = line.len() - at - 1 - exponent.len();
+    let digits = exponent.len()
+        - exponent
+            .trim_start_matches(|c: char| c.is_ascii_digit())
+            .len();
+    let letter = before
+        .strip_suffix(|c: char| c.is_ascii_alphabetic())?
+        .len();
+    let word = &line[letter..at + 1 + signs + digits];
+    let has_digits = line[letter + 1..at].contains(|c: char| c.is_ascii_digit());
+    (has_digits && signs <= 1 && digits > 0).then_some((word, &word[1..]))
 }
 
 /// Refuses numbers with a comma, as many languages write them.

@@ -36,13 +36,19 @@ fn reasons_say_what_would_do() {
         ("G0 X[1+2]", "expressions"),
         ("O100 sub", "O words"),
         ("o1", "O words"),
-        ("G1 X1e3 F1", "exponents"),
+        ("G1 X1e3 F1", "no exponent; write X1000"),
+        ("G1 X-1.5E-2 F1", "no exponent; write X-0.015"),
+        ("G1 (a) X1e400 (b)", "beyond 1,000,000"),
+        ("G1 X1e+4000000000 F1", "beyond 1,000,000"),
+        ("G1X1Y2e1", "write Y20"),
         ("G1 X1 E5 F1", "extruder"),
         ("G0 B5", "X, Y and A"),
     ] {
         let fault = refused(text);
         assert!(fault.reason.contains(hint), "{text}: {fault}");
     }
+    assert_eq!(refused("G1 X1e3").word, "X1e3");
+    assert_eq!(refused("G1 X1 E3").word, "E3");
     assert_eq!(
         refused("G0 X1\nG18").to_string(),
         format!("2: G18: {}", refused("G18").reason)
