@@ -242,8 +242,8 @@ pub(crate) fn follows_speed(tool: Option<Tool>) -> bool {
 }
 
 /// Reason why a tool that switches does not follow the speed.
-pub(crate) const NO_SPEED: &str =
-    "the tool of the scene is on or off: give its power without a speed (in G-code M3, not M4)";
+pub(crate) const NO_SPEED: &str = "the tool of the scene is on or off, so that its power follows no speed: in a scene leave out speed_m_s, in G-code write M3 in \
+     place of M4, with a drawing, an image or a table give --constant-power";
 
 /// Refuses moves of a job that do not wait for the tool.
 pub(crate) fn check_tool(document: &Document, port: &ToolPort, placed: &PlacedJob, rate: f64) {

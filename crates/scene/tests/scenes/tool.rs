@@ -203,7 +203,7 @@ fn a_pen_does_not_follow_the_speed() {
     let follows = "tool = { power = 1.0, speed_m_s = 0.1 }";
     let found = problems(&plotted(LIFTER, follows));
     assert_eq!(found[0].key, "job.path[2]");
-    assert!(found[0].reason.contains("without a speed"), "{found:?}");
+    assert!(found[0].reason.contains("follows no speed"), "{found:?}");
 }
 
 #[test]
