@@ -152,9 +152,17 @@ mod tests {
         );
         assert_eq!(
             error.to_string(),
-            "DistalLength of leg 2 is -0.2, expected a positive number within the range of the \
+            "length of the distal link of leg 2 is -0.2, expected a positive number within the range of the \
              number type"
         );
+    }
+
+    #[test]
+    fn a_size_is_told_by_its_exponent() {
+        let mut parameters = example();
+        parameters.legs[0].distal_m = 1e300;
+        let text = parameters.check::<f64>().unwrap_err().to_string();
+        assert!(text.contains(" of leg 1 is 1e300, expected "), "{text}");
     }
 
     #[test]

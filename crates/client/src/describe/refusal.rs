@@ -112,8 +112,8 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
         }
         Refusal::NoSuchLeg => "there is no such leg".into(),
         Refusal::Parameter { quantity, leg } => match leg {
-            Some(leg) => format!("{quantity:?} of leg {} cannot be built", leg + 1),
-            None => format!("{quantity:?} cannot be built"),
+            Some(leg) => format!("{quantity} of leg {} cannot be built", leg + 1),
+            None => format!("{quantity} cannot be built"),
         },
         Refusal::NoPose => "with the new geometry, no pose fits the motors' angles".into(),
         Refusal::Recovery(found) => violation(found, ticks, units),
