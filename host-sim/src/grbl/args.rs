@@ -23,7 +23,7 @@ pub struct GrblArgs {
     #[command(flatten)]
     pub set: SetArgs,
     /// Address for the sender: tcp:HOST:PORT on this computer; port 0 takes one that is free and prints it
-    #[arg(long, value_name = "ADDRESS", default_value = "tcp:127.0.0.1:7334", value_parser = listening)]
+    #[arg(long, value_name = "ADDRESS", default_value = "tcp:127.0.0.1:7336", value_parser = listening)]
     pub listen: String,
     /// Make a pseudo terminal for the sender in place of a TCP port, and print its name
     #[cfg(unix)]
