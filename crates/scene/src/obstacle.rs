@@ -14,12 +14,12 @@ pub(crate) fn obstacle(refusal: &PathRefusal) -> String {
     let reason = match obstacle {
         Obstacle::Reach(leg) => format!("leg {} does not reach the platform", leg + 1),
         Obstacle::SerialDistance(leg) => format!(
-            "leg {} comes nearer to its serial singularity than [limits] serial_distance_min",
+            "leg {} comes nearer to its serial singularity than [limits] serial_distance_min, or is not proven to stay away from it",
             leg + 1
         ),
         Obstacle::ParallelDistance => {
             "the machine comes nearer to a parallel singularity than [limits] \
-             parallel_distance_min, or crosses one"
+             parallel_distance_min, crosses one, or is not proven to stay away from it"
                 .into()
         }
         Obstacle::Standing(what) => format!(
