@@ -3,6 +3,7 @@
 //! Measured are the files that git knows. Tests are left out: [`source::Sources`] says which files are tests.
 
 mod code;
+mod documents;
 mod packages;
 mod prose;
 mod source;
@@ -78,6 +79,7 @@ fn figures(sources: &Sources) -> Result<Vec<Figure>> {
     let code = code::measure(&sources.product)?;
     let prose = prose::measure(&sources.product);
     let packages = packages::measure()?;
+    let documents = documents::measure()?;
     let openers = 100.0 * prose.openers.len() as f64 / prose.blocks as f64;
     Ok(vec![
         Figure {
@@ -118,6 +120,20 @@ fn figures(sources: &Sources) -> Result<Vec<Figure>> {
             threshold: "none".into(),
             holds: packages.upward.is_empty(),
             findings: packages.upward,
+        },
+        Figure {
+            name: "links of documents that lead nowhere",
+            value: documents.lost_links.len().to_string(),
+            threshold: "none".into(),
+            holds: documents.lost_links.is_empty(),
+            findings: documents.lost_links,
+        },
+        Figure {
+            name: "tables of documents that an empty line cuts",
+            value: documents.cut_tables.len().to_string(),
+            threshold: "none".into(),
+            holds: documents.cut_tables.is_empty(),
+            findings: documents.cut_tables,
         },
         Figure {
             name: "packages and dependencies between them",

@@ -30,7 +30,7 @@ impl Sources {
     pub(super) fn read() -> Result<Self> {
         let mut product = Vec::new();
         let mut tests = BTreeSet::new();
-        for path in tracked()? {
+        for path in tracked("*.rs")? {
             if is_test(&path) {
                 continue;
             }
@@ -50,10 +50,10 @@ impl Sources {
     }
 }
 
-/// The Rust files that git tracks and that stand in the work tree.
-fn tracked() -> Result<Vec<PathBuf>> {
+/// Files of a `pattern` that git tracks and that stand in the work tree.
+pub(super) fn tracked(pattern: &str) -> Result<Vec<PathBuf>> {
     let mut git = Command::new("git");
-    let text = text(git.current_dir(root()).args(["ls-files", "*.rs"]))?;
+    let text = text(git.current_dir(root()).args(["ls-files", pattern]))?;
     let present = text.lines().filter(|line| root().join(line).is_file());
     Ok(present.map(PathBuf::from).collect())
 }
