@@ -163,13 +163,7 @@ fn each<'d>(section: &Section<'d, '_>, key: &'d str, bound: Bound) -> Option<[f6
 
 fn read_motors(section: &Section, contact: Option<Contact>) -> Option<[HomingMotor; 3]> {
     let angle = each(section, "angle_rad", Bound::Within(-PI, PI));
-    let direction = each(section, "direction", Bound::Within(-1.0, 1.0)).filter(|directions| {
-        let right = directions.iter().all(|direction| direction.abs() == 1.0);
-        if !right {
-            section.refuse("direction", "must be 1 or -1");
-        }
-        right
-    });
+    let direction = each(section, "direction", Bound::Sign);
     let search = each(section, "search_rate_rad_s", Bound::Positive);
     let latch = match contact {
         // There is but one approach.

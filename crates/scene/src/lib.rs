@@ -93,7 +93,7 @@ pub use power::Power;
 pub use push::Push;
 pub use range::{RangeError, units, units_of_scene, units_of_setpoints};
 pub use reach_map::{ReachMap, Room};
-pub use scene::{NumberType, Scene};
+pub use scene::{BOARDS, NumberType, Scene, is_board_file};
 pub use service::Service;
 pub use settings::settings;
 pub use spool::{MoveSpool, SpooledMoves};

@@ -158,15 +158,11 @@ fn read_leg(section: &Section, common: GivenLinks) -> Option<LegParameters> {
 }
 
 fn read_elbow(section: &Section) -> Option<Elbow> {
-    let sign = section.number("elbow", Bound::Finite)?;
-    match sign {
-        1.0 => Some(Elbow::Positive),
-        -1.0 => Some(Elbow::Negative),
-        _ => {
-            section.refuse("elbow", "must be 1 or -1");
-            None
-        }
-    }
+    let sign = section.sign("elbow")?;
+    Some(match sign > 0.0 {
+        true => Elbow::Positive,
+        false => Elbow::Negative,
+    })
 }
 
 /// Reads a table of links; all massless where it is left out.

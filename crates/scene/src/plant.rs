@@ -179,13 +179,22 @@ fn read_method(section: &Section) -> Option<Method> {
         true => section.choice("method", &kinds),
         false => Some(MethodName::Auto),
     };
-    let Some(kind) = kind else {
-        // Which of the two belongs to the method is not known.
-        section.has("step_s");
-        section.has("tolerance");
-        return None;
+    // Both are known, also where another method has them.
+    let _ = (section.has("step_s"), section.has("tolerance"));
+    let kind = kind?;
+    let (is_stepped, other, methods) = match kind {
+        MethodName::Euler | MethodName::Rk4 => (
+            true,
+            "tolerance",
+            "\"dormand-prince\", \"radau-iia\", or none for the one that suits",
+        ),
+        _ => (false, "step_s", "\"semi-implicit-euler\" or \"rk4\""),
     };
-    if let MethodName::Euler | MethodName::Rk4 = kind {
+    if section.has(other) {
+        section.refuse(other, format!("belongs to method = {methods}"));
+        return None;
+    }
+    if is_stepped {
         let step_s = section.number("step_s", Bound::Positive)?;
         return Some(match kind {
             MethodName::Euler => Method::SemiImplicitEuler { step_s },

@@ -18,7 +18,8 @@ use crate::planning::plan_path;
 use crate::plant::{Plant, read_plant};
 use crate::power::{Power, read_power, read_reactions};
 use crate::read::{
-    Bound, Document, MachineTexts, Place, Section, Setting, on_disk, text_of, with_scene_from,
+    Bound, Document, MachineTexts, Place, Section, Setting, did_you_mean, on_disk, text_of,
+    with_scene_from,
 };
 use crate::service::{Service, read_service};
 use crate::tolerances::{Tolerances, read_tolerances};
@@ -342,6 +343,11 @@ impl Scene {
     pub fn ticks(&self) -> u32 {
         self.job.ticks()
     }
+
+    /// Duration of the job, s: the binary64 number that is nearest.
+    pub fn duration_s(&self) -> f64 {
+        f64::from(self.ticks()) / self.tick_rate_hz
+    }
 }
 
 /// Extent to which a scene is looked at.
@@ -359,13 +365,23 @@ pub fn read_rate(root: &Section) -> Option<f64> {
     root.number("tick_rate_hz", Bound::Within(slowest, fastest))
 }
 
-/// Reads `board`. The build of an image looks for the file; other programs have no use for it.
+/// Shipped boards by the names of their files, without the folder and the end.
+pub const BOARDS: [&str; 4] = ["feather-f405", "generic-f405", "nucleo-g474re", "pico"];
+
+/// Returns true if a board is named by the path of its file.
+pub fn is_board_file(board: &str) -> bool {
+    board.ends_with(".toml") || board.contains(['/', '\\'])
+}
+
+/// Reads `board`. The build of an image looks for a file of the user's own; other programs have no use for it.
 fn read_board(root: &Section) -> Option<String> {
     let board = root.text("board")?;
-    if board.trim().is_empty() {
+    if !is_board_file(&board) && !BOARDS.contains(&board.as_ref()) {
+        let boards = BOARDS.map(|board| format!("\"{board}\"")).join(", ");
+        let meant = did_you_mean(&board, &BOARDS);
         root.refuse(
             "board",
-            "must be the name of a shipped board, such as \"feather-f405\", or the path of a board file",
+            format!("must be a shipped board, {boards}, or the path of a board file, which ends in .toml{meant}"),
         );
         return None;
     }

@@ -153,8 +153,23 @@ pub fn short(value: f64) -> String {
     rounded(value, 4)
 }
 
+/// Formats a time in s, to microseconds: durations are told with all their ticks, and without the rounding of binary64.
+pub fn tick_time(time_s: f64) -> String {
+    let text = format!("{time_s:.6}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    match text {
+        "-0" => "0".into(),
+        text => text.into(),
+    }
+}
+
 /// A number with few digits, but for the rounding of binary64, stays that number.
 const BELOW: f64 = 1.0 - 1e-12;
+
+/// Formats a value of a scene as it is written: with twelve significant digits, which hide the rounding of another unit's conversion.
+pub fn written(value: f64) -> String {
+    rounded(value, 12)
+}
 
 /// The next number with so many significant digits that is not less than `value`, which is not negative.
 pub fn rounded_up(value: f64, digits: i32) -> f64 {
@@ -261,6 +276,24 @@ mod tests {
             let text = format!("rate of motor 1 was {text}");
             assert_eq!(was_beyond(Bounded::Rate, Some(0), value, limit), text);
         }
+    }
+
+    #[test]
+    fn times_have_no_rounding_of_binary64() {
+        for (time_s, text) in [
+            (9.197_000_000_000_001, "9.197"),
+            (700.0 * (1.0 / 500.0), "1.4"),
+            (86_400.001, "86400.001"),
+            (1.0 / 3.0, "0.333333"),
+            (20.0, "20"),
+            (0.0, "0"),
+            (-1e-9, "0"),
+        ] {
+            assert_eq!(tick_time(time_s), text);
+        }
+        assert_eq!(written(346.41 / 1e3), "0.34641");
+        assert_eq!(written(-0.12), "-0.12");
+        assert_eq!(written(0.173_205_080_756_887_7), "0.173205080757");
     }
 
     #[test]

@@ -22,7 +22,7 @@ use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
 use trirrr_scene::read::text_of;
-use trirrr_scene::visible;
+use trirrr_scene::{BOARDS, is_board_file, visible};
 
 /// Folder of the shipped board files, in the root of the repository.
 const FILES: &str = "firmware/boards/files";
@@ -111,14 +111,14 @@ fn chosen(
         (None, Some(name)) => (format!("{}: board = \"{name}\"", needs.scene), name),
         (None, None) => (String::new(), family.default_board()),
     };
-    let file = match is_path(name) {
+    let file = match is_board_file(name) {
         true => root.join(name),
         false => root.join(FILES).join(name).with_extension("toml"),
     };
     if file.is_file() {
         return Ok(file);
     }
-    let shipped = shipped_names(&root.join(FILES)).join(", ");
+    let shipped = BOARDS.join(", ");
     Err(format!(
         "{}: no such board: {} is no file; shipped boards are {shipped}, and a path ends in .toml",
         visible(&by),
@@ -130,23 +130,6 @@ fn chosen(
                 .to_string()
         ),
     ))
-}
-
-/// Returns true if a board is named by the path of its file.
-pub fn is_path(name: &str) -> bool {
-    name.ends_with(".toml") || name.contains(['/', '\\'])
-}
-
-/// Names of the board files in `folder`, sorted.
-fn shipped_names(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    let files = entries.map(|entry| entry.path());
-    let tables = files.filter(|file| file.extension().is_some_and(|end| end == "toml"));
-    let mut names: Vec<String> = tables
-        .filter_map(|file| Some(file.file_stem()?.to_str()?.to_owned()))
-        .collect();
-    names.sort();
-    names
 }
 
 /// Text of a shipped board file.

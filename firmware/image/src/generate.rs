@@ -14,12 +14,12 @@ pub use over_line::BoardScene;
 pub use source::{source, units};
 pub use tool::tool_kind;
 
-use crate::board::{Needs, is_path};
+use crate::board::Needs;
 use crate::ram;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
-use trirrr_scene::{NumberType, Scene, visible};
+use trirrr_scene::{NumberType, Scene, is_board_file, visible};
 
 /// Number types of images: name in scenes and tables, and Rust type.
 pub const SCALARS: &[(&str, &str)] = &[
@@ -136,7 +136,7 @@ fn chosen(root: &Path) -> Result<(PathBuf, Scene), Box<dyn Error>> {
 /// The board that the scene names: one by its path is beside the scene.
 fn board(scene: &Scene, file: &Path) -> Option<String> {
     let name = scene.board.as_deref()?;
-    let beside = file.parent().filter(|_| is_path(name));
+    let beside = file.parent().filter(|_| is_board_file(name));
     Some(beside.map_or_else(
         || name.into(),
         |folder| folder.join(name).display().to_string(),

@@ -3,7 +3,6 @@
 //! The parts were measured on images of shipped scenes (`size -A` of `cargo fw-rp2040`), except inputs and power lists: these two are
 //! guesses. An image that is larger than its estimate is refused by the linker.
 
-use crate::board::is_path;
 use std::fmt::Write;
 use trirrr_scene::{NumberType, Scene};
 
@@ -112,7 +111,7 @@ pub fn check(scene: &Scene, number: NumberType, usb: bool) -> Result<(), String>
 /// As [`check`].
 pub fn check_board(scene: &Scene) -> Result<(), String> {
     match scene.board.as_deref() {
-        Some(board) if !is_path(board) && board == "pico" => {
+        Some(board) if board == "pico" => {
             let number = match scene.number {
                 NumberType::F64 => NumberType::F32,
                 other => other,

@@ -207,7 +207,7 @@ fn joints() {
     );
     four_bar("\"crank.O\"", "\"crank\"", "expected \"link.point\"");
     four_bar("branch = 1", "branch = 0.5", "must be 1 or -1");
-    four_bar("branch = 1", "branch = 2", "must be from -1 to 1");
+    four_bar("branch = 1", "branch = 2", "must be 1 or -1");
     let slider = |from, to, reason| refused("slider-crank", from, to, reason);
     slider(
         "slider = \"slider.B\"",
@@ -267,7 +267,7 @@ fn drives_and_motion() {
         "take too long",
     );
     let motion = |text: &str, reason| four_bar(&format!("{drive}[motion]\n{text}\n"), reason);
-    motion("steps = 1", "must be from 2 to 100000");
+    motion("steps = 1", "must be a whole number from 2 to 100000");
     motion("steps = 2.5", "must be a whole number");
     motion("turns = 0", "must be from");
     motion("duration_s = -1", "must be from");

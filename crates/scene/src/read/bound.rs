@@ -1,5 +1,7 @@
 //! Bounds of the numbers in a scene.
 
+use super::suggest::unit_of;
+use crate::words::written;
 use std::f64::consts::TAU;
 
 /// The values a number may take. Every number must be finite.
@@ -15,6 +17,10 @@ pub enum Bound {
     Within(f64, f64),
     /// 0 or more and less than 1.
     Fraction,
+    /// A whole number from the first to the second, both included.
+    Whole(u32, u32),
+    /// 1 or -1.
+    Sign,
     /// An angle of a drawing: within two turns, rad.
     TwoTurns,
 }
@@ -31,9 +37,23 @@ impl Bound {
             Bound::NotNegative => value >= 0.0,
             Bound::Within(low, high) => (low..=high).contains(&value),
             Bound::Fraction => (0.0..1.0).contains(&value),
+            Bound::Whole(low, high) => {
+                value.fract() == 0.0 && (low.into()..=high.into()).contains(&value)
+            }
+            Bound::Sign => value.abs() == 1.0,
             Bound::TwoTurns => value.abs() <= 2.0 * TAU,
         };
         (!allowed).then(|| format!("must {}", self.demand()))
+    }
+
+    /// Names the values of `key` with their unit: `a number in m/s`, `1 or -1`.
+    pub(super) fn number_in(self, key: &str) -> String {
+        match (self, unit_of(key)) {
+            (Bound::Sign, _) => "1 or -1".into(),
+            (Bound::Whole(low, high), _) => format!("a whole number from {low} to {high}"),
+            (_, Some(unit)) => format!("a number in {unit}"),
+            (_, None) => "a number".into(),
+        }
     }
 
     /// "be greater than 0" and the like, to follow "must".
@@ -42,8 +62,12 @@ impl Bound {
             Bound::Finite => "be a finite number".into(),
             Bound::Positive => "be greater than 0".into(),
             Bound::NotNegative => "not be negative".into(),
-            Bound::Within(low, high) => format!("be from {low} to {high}"),
+            Bound::Within(low, high) => {
+                format!("be from {} to {}", written(low), written(high))
+            }
             Bound::Fraction => "be at least 0 and less than 1".into(),
+            Bound::Whole(low, high) => format!("be a whole number from {low} to {high}"),
+            Bound::Sign => "be 1 or -1".into(),
             Bound::TwoTurns => "be within two turns, from -12.566 to 12.566".into(),
         }
     }
@@ -70,6 +94,11 @@ mod tests {
             (within, 2.0 + 1e-15, false),
             (Bound::Fraction, 0.0, true),
             (Bound::Fraction, 1.0, false),
+            (Bound::Whole(2, 4), 4.0, true),
+            (Bound::Whole(2, 4), 3.5, false),
+            (Bound::Whole(2, 4), 5.0, false),
+            (Bound::Sign, -1.0, true),
+            (Bound::Sign, 0.5, false),
             (Bound::TwoTurns, -2.0 * TAU, true),
             (Bound::TwoTurns, 12.567, false),
         ] {

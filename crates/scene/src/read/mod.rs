@@ -20,6 +20,7 @@ pub use setting::{KeyStep, ListElement, Setting, SettingError};
 
 pub(crate) use document::TextPart;
 pub use parts::{SceneText, machine_file_of, machine_path};
+pub(crate) use suggest::did_you_mean;
 
 use crate::error::SceneError;
 use std::path::Path;
@@ -121,6 +122,10 @@ fn root_of<'t>(document: &Document, text: &'t str) -> Option<DeTable<'t>> {
 /// Makes problems of what the parser found.
 fn refuse_faults(document: &Document, faults: &[toml::de::Error]) {
     for fault in faults {
+        // A file of another kind has a fault in each line.
+        if document.counts_on() {
+            continue;
+        }
         let offset = fault.span().map_or(0, |span| span.start);
         let place = Place {
             line: document.line(offset),
@@ -128,11 +133,29 @@ fn refuse_faults(document: &Document, faults: &[toml::de::Error]) {
             key: String::new(),
             value: None,
         };
-        let message = fault.message().trim_end().replace('\n', ", ");
+        let mut message = fault.message().trim_end().replace('\n', ", ");
+        // The parser leaves the name out.
+        if let ("duplicate key", Some(span)) = (message.as_str(), fault.span()) {
+            message = format!("duplicate key `{}`", document.quote(span));
+        }
         let hint = match document.has_decimal_comma(place.line) {
             true => "; a number has a decimal point: 0.5, not 0,5",
             false => "",
         };
         document.refuse(&place, format!("not TOML: {message}{hint}"));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::Scene;
+
+    /// Each of its lines is a fault, and the work grows with the lines alone.
+    #[test]
+    fn a_long_file_of_another_kind_is_refused_by_its_first_faults() {
+        let error = Scene::parse(&"G1 X1,5\n".repeat(40_000), "a.nc").expect_err("no scene");
+        let text = error.to_string();
+        assert_eq!(text.lines().count(), 101);
+        assert!(text.ends_with("and 39900 more like these"), "{text}");
     }
 }

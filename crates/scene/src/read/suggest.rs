@@ -83,6 +83,14 @@ pub(super) fn suggest<'k>(key: &str, known: &[&'k str]) -> Option<&'k str> {
         .copied()
 }
 
+/// The question after the reason for which a value is refused that is none of `known`; empty where it resembles none.
+pub(crate) fn did_you_mean(value: &str, known: &[&str]) -> String {
+    match suggest(value, known) {
+        Some(meant) => format!("; did you mean \"{meant}\"?"),
+        None => String::new(),
+    }
+}
+
 /// Levenshtein's distance, in characters.
 fn edit_distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();

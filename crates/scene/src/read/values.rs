@@ -2,7 +2,7 @@
 
 use super::in_other_unit;
 use super::section::{MeasuredValue, expected_but_found};
-use super::suggest::unit_of;
+use super::suggest::{did_you_mean, unit_of};
 use super::{Bound, Place, Section};
 use crate::words::short;
 use std::borrow::Cow;
@@ -14,7 +14,7 @@ const LONGEST_NAME: usize = 64;
 impl<'d> Section<'d, '_> {
     /// A number that must be there.
     pub fn number(&self, key: &'d str, bound: Bound) -> Option<f64> {
-        self.demand(key, &number_in(key))?;
+        self.demand(key, &bound.number_in(key))?;
         self.optional_number(key, bound)
     }
 
@@ -35,13 +35,15 @@ impl<'d> Section<'d, '_> {
 
     /// A whole number that must be there.
     pub fn integer(&self, key: &'d str, low: u32, high: u32) -> Option<u32> {
-        self.demand(key, "a whole number")?;
-        let value = self.number(key, Bound::Within(low.into(), high.into()))?;
-        if value.fract() != 0.0 {
-            self.refuse(key, "must be a whole number");
-            return None;
-        }
-        Some(value as u32)
+        let bound = Bound::Whole(low, high);
+        self.demand(key, &bound.number_in(key))?;
+        self.optional_number(key, bound).map(|value| value as u32)
+    }
+
+    /// A sign, 1 or -1, that must be there.
+    pub fn sign(&self, key: &'d str) -> Option<f64> {
+        self.demand(key, &Bound::Sign.number_in(key))?;
+        self.optional_number(key, Bound::Sign)
     }
 
     /// `[x, y]`: `default` where it is left out, an error if there is none.
@@ -49,7 +51,7 @@ impl<'d> Section<'d, '_> {
         if default.is_some() && !self.has(key) {
             return default;
         }
-        let expected = format!("[x, y], {} each", number_in(key));
+        let expected = format!("[x, y], {} each", Bound::Finite.number_in(key));
         self.demand(key, &expected)?;
         self.array(key, Bound::Finite, &expected)
     }
@@ -75,7 +77,7 @@ impl<'d> Section<'d, '_> {
                     3 => "three".into(),
                     count => count.to_string(),
                 };
-                let expected = format!("{}, or {of_them} of them", number_in(key));
+                let expected = format!("{}, or {of_them} of them", bound.number_in(key));
                 let mut numbers = vec![0.0; count];
                 self.fill(key, bound, &expected, &mut numbers)?;
                 Some(numbers)
@@ -88,7 +90,8 @@ impl<'d> Section<'d, '_> {
 
     /// `COUNT` vectors `[[x, y], ...]` that must be there.
     pub fn vectors<const COUNT: usize>(&self, key: &'d str) -> Option<[[f64; 2]; COUNT]> {
-        let expected = format!("{COUNT} vectors [[x, y], ...], {} each", number_in(key));
+        let number = Bound::Finite.number_in(key);
+        let expected = format!("{COUNT} vectors [[x, y], ...], {number} each");
         self.demand(key, &expected)?;
         let measured = self.measured(key)?;
         let rows = measured.value.get_ref().as_array();
@@ -160,7 +163,7 @@ impl<'d> Section<'d, '_> {
         bound: Bound,
     ) -> Option<f64> {
         let Some(given) = as_f64(value) else {
-            let expected = expected_but_found(&number_in(measured.name), value);
+            let expected = expected_but_found(&bound.number_in(measured.name), value);
             self.document.refuse(place, expected);
             return None;
         };
@@ -261,17 +264,11 @@ impl<'d> Section<'d, '_> {
         let text = self.text(key)?;
         let found = choices.iter().find(|(name, _)| *name == text);
         if found.is_none() {
-            self.refuse(key, format!("must be one of {names}"));
+            let known: Vec<&str> = choices.iter().map(|(name, _)| *name).collect();
+            let meant = did_you_mean(&text, &known);
+            self.refuse(key, format!("must be one of {names}{meant}"));
         }
         found.map(|(_, choice)| *choice)
-    }
-}
-
-/// "a number" with the unit that `key` names.
-fn number_in(key: &str) -> String {
-    match unit_of(key) {
-        Some(unit) => format!("a number in {unit}"),
-        None => "a number".into(),
     }
 }
 

@@ -99,7 +99,7 @@ fn what_cannot_be_detected_is_refused() {
             ODRIVE,
             "[contact]\nforce_n = 3\ntorque_nm = 0.1\nconfirm_ticks = 0\n",
             "contact.confirm_ticks",
-            "must be from 1 to 1000",
+            "must be a whole number from 1 to 1000",
         ),
         (
             ODRIVE,

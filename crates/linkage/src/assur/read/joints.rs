@@ -45,14 +45,7 @@ fn read_joint(section: &Section, links: Option<&[Placed<LinkBody>]>) -> Option<J
         return None;
     };
     let branch = match section.has("branch") {
-        true => match section.optional_number("branch", Bound::Within(-1.0, 1.0)) {
-            Some(sign) if sign.abs() == 1.0 => Some(Some(sign)),
-            Some(_) => {
-                section.refuse("branch", "must be 1 or -1");
-                None
-            }
-            None => None,
-        },
+        true => section.sign("branch").map(Some),
         false => Some(None),
     };
     let kind = match file_kind {
