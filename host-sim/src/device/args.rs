@@ -33,12 +33,11 @@ pub struct DeviceArgs {
     #[arg(long, value_name = "FACTOR", default_value = "1", value_parser = factor)]
     pub speed: f64,
     /// In a scene with homing, how far the motors are from where the machine counts from when it is
-    /// switched on, rad [default: one of its own for each scene]
+    /// switched on, rad [default: one of its own for each scene]; in one with feedback, from the start of the job [default: 0]
     #[arg(
         long,
         value_names = ["A", "B", "C"],
-        num_args = 3,
-        allow_hyphen_values = true
+        num_args = 3
     )]
     pub offset_rad: Option<Vec<f64>>,
     /// Press an input of the scene: `estop@1.5` from 1.5 s on, `door@2..4` from 2 s to 4 s of the machine's time; also `probe` and

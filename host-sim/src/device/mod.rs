@@ -42,6 +42,12 @@ pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), CliError> {
     // Clients repeat a request in real time, however fast the machine plays.
     scene.service.silence_timeout_s *= args.speed;
     let scalar = args.scalar.unwrap_or(scene.number);
+    if args.offset_rad.is_some() && scene.homing.is_none() && scene.feedback.is_none() {
+        return Err(CliError::Refused(format!(
+            "{}: --offset-rad has nothing to move: the scene has neither [homing] nor [feedback], so its motors are where they are commanded",
+            args.scene.display()
+        )));
+    }
     let inputs = PressedInputs::new(&scene, &args.press, args.touch, args.keys)?;
     let doors = args.listen.open()?;
     print_line(&format!(
