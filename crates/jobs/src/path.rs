@@ -429,6 +429,7 @@ pub fn piece_from(at: Pose<f64>, motion: &ToolMotion) -> Piece<f64> {
                 Pose::from_f64(x2, y2, to.angle - third),
                 to,
             ])
+            .straightened()
         }
     }
 }

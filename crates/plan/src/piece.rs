@@ -314,6 +314,36 @@ impl Piece<f64> {
         ]
     }
 
+    /// The same way of D as a line, if the piece is a cubic that is straight, does not turn back and keeps its alpha: drawings have
+    /// many. Where its controls are at its ends, its tangents vanish there, and no bound of its time is near.
+    pub fn straightened(self) -> Self {
+        let PlaneCurve::Cubic {
+            start,
+            coefficients: [c1, c2, c3],
+        } = self.curve
+        else {
+            return self;
+        };
+        let way = c1 + c2 + c3;
+        let square = way.dot(&way);
+        // Parts of the way: the rounding of the controls is no bend.
+        let off = |leg: Vector2<f64>| (way.perp(&leg) / square).abs() > 1e-9;
+        let legs = [c1 / 3.0, (c1 + c2) / 3.0, way - (c1 + c1 + c2) / 3.0];
+        let is_bent = legs
+            .iter()
+            .any(|leg| off(*leg) || leg.dot(&way) < -1e-9 * square);
+        match square > 0.0 && !is_bent && self.turning == [0.0; 3] {
+            true => Self {
+                curve: PlaneCurve::Line {
+                    start,
+                    displacement: way,
+                },
+                ..self
+            },
+            false => self,
+        }
+    }
+
     /// The same curve of D with another alpha.
     pub fn with_alpha(self, angle: f64, turning: [f64; 3]) -> Self {
         Self {

@@ -304,7 +304,7 @@ fn read_bezier(section: &Section, from: Option<Pose<f64>>, is_free: bool) -> Opt
     let third = (to.angle - from.angle) / 3.0;
     let [a1, a2] = angles?.unwrap_or([from.angle + third, to.angle - third]);
     let control = |[x, y]: [f64; 2], angle| Pose::from_f64(x, y, angle);
-    Some(Piece::bezier([from, control(c1, a1), control(c2, a2), to]))
+    Some(Piece::bezier([from, control(c1, a1), control(c2, a2), to]).straightened())
 }
 
 fn read_spline(section: &Section, from: Pose<f64>) -> Option<Pieces> {
