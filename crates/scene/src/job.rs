@@ -8,6 +8,7 @@ use crate::outputs::{JobOutputs, OutputBits, read_outputs};
 use crate::read::{Bound, Document, Place, Section};
 use crate::spool::MoveSpool;
 use nalgebra::Vector3;
+use std::f64::consts::TAU;
 use std::sync::Arc;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Ends, Pose, Quintics, Segment};
@@ -125,6 +126,37 @@ impl JobMove {
             }),
             ..*self
         }
+    }
+
+    /// Returns the move with the numbers that the number type `N` has for it in `units`: those that are played. In SI units.
+    pub(crate) fn rounded<N: Number>(&self, units: &Units) -> Self {
+        let own = self.in_units(units);
+        let pose = |pose: &Pose<f64>| {
+            let held = Pose::<N>::from_f64(pose.position.x, pose.position.y, pose.angle);
+            // Fixed point has no whole turns.
+            let angle = N::angle_to_f64(held.angle);
+            Pose {
+                position: held.position.map(N::to_f64),
+                angle: angle + TAU * ((pose.angle - angle) / TAU).round(),
+            }
+        };
+        let number = |number: f64| N::from_f64(number).to_f64();
+        let held = Self {
+            from: pose(&own.from),
+            to: pose(&own.to),
+            start_velocity: own.start_velocity.map(number),
+            end_velocity: own.end_velocity.map(number),
+            accelerations: own
+                .accelerations
+                .map(|both| both.map(|one| one.map(number))),
+            tool: own.tool.map(|tool| Tool {
+                power: number(tool.power),
+                speed_m_s: number(tool.speed_m_s),
+            }),
+            ..own
+        };
+        // Units are powers of two.
+        held.in_units(&units.inverse())
     }
 
     /// Returns what the curve of the move is given by, in the number type `N`.

@@ -11,13 +11,14 @@ use crate::outputs::JobOutputs;
 use crate::read::Document;
 use crate::tool::follows_speed;
 use crate::unplanned::Unplanned;
-use crate::{NumberType, Scene, ToolPort};
+use crate::{NumberType, Scene, ToolPort, in_number_type, units};
 use nalgebra::Vector3;
 use trirrr_core::limits::Limits;
 use trirrr_core::machine::LegParameters;
 use trirrr_core::model::{Model, ModelVisitor};
-use trirrr_core::number::{Arithmetic, Fixed};
+use trirrr_core::number::{Arithmetic, Fixed, Number};
 use trirrr_core::setpoint::{Ends, Pose};
+use trirrr_core::units::Units;
 use trirrr_plan::alpha::{Sampler, choose_alpha};
 use trirrr_plan::cell::Planner;
 use trirrr_plan::course::Effort;
@@ -76,8 +77,15 @@ impl PlannedJob {
 
     /// Returns the moves under [`MOVE_COLUMNS`]: the state at the end of each, after a row for the start.
     ///
-    /// The tool is off along moves that have [levels](Self::listed): a client that plays the rows does not know the levels.
+    /// The numbers are those that the scene's number type holds, and so those that are played. The tool is off along moves that have
+    /// [levels](Self::listed): a client that plays the rows does not know the levels.
     pub fn rows(&self, scene: &Scene) -> Vec<[f64; 13]> {
+        in_number_type!(scene.number, N => self.rows_in::<N>(scene))
+    }
+
+    fn rows_in<N: Number>(&self, scene: &Scene) -> Vec<[f64; 13]> {
+        // A scene without units of its own is refused when it is read.
+        let units = units::<N>(scene).unwrap_or(Units::SI);
         let row = |source: usize, duration_s: f64, at: [[f64; 3]; 3], tool: [f64; 2]| {
             let mut row = [0.0; 13];
             row[0] = (source + 1) as f64;
@@ -87,9 +95,14 @@ impl PlannedJob {
             row
         };
         let pose = |pose: &Pose<f64>| [pose.position.x, pose.position.y, pose.angle];
-        let start = [pose(&scene.job.start), [0.0; 3], [0.0; 3]];
         let (steps, levels) = self.listed();
+        let first = steps
+            .first()
+            .map(|(_, each)| each.rounded::<N>(&units).from);
+        let start = pose(&first.unwrap_or(scene.job.start));
+        let start = [start, [0.0; 3], [0.0; 3]];
         let steps = (0..).zip(steps).map(|(index, (source, each))| {
+            let each = each.rounded::<N>(&units);
             let tool = each
                 .tool
                 .filter(|_| levels.get(index).is_none())

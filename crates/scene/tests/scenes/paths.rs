@@ -1,6 +1,9 @@
 //! Jobs along a path: `[[job.path]]`.
 
-use trirrr_scene::{Scene, SceneError};
+use trirrr_core::number::Arithmetic;
+use trirrr_plan::course::Effort;
+use trirrr_plan::piece::PlaneCurve;
+use trirrr_scene::{Scene, SceneError, in_number_type, plan_job};
 
 const ENGRAVING: &str = include_str!("../../../../scenes/engraving.toml");
 
@@ -13,6 +16,77 @@ fn with_job(job: &str) -> Result<Scene, SceneError> {
 
 fn refusal(job: &str) -> String {
     with_job(job).expect_err("refused").to_string()
+}
+
+/// A client that takes the rows as they stand offers what the machine plays.
+#[test]
+fn the_table_of_moves_holds_the_numbers_that_are_played() {
+    for number in ["f32", "fixed"] {
+        let text = ENGRAVING.replace("number = \"f32\"", &format!("number = \"{number}\""));
+        let scene = Scene::parse(&text, "engraving.toml").unwrap_or_else(|error| panic!("{error}"));
+        let path = scene.job.path.as_ref().expect("a path");
+        let planned = plan_job(&scene, path, Effort::default()).expect("a plan");
+        let rows = planned.rows(&scene);
+        in_number_type!(scene.number, N => {
+            let units = trirrr_scene::units::<N>(&scene).unwrap();
+            let [length, time] = [units.of(1, 0, 0), units.of(0, 1, 0)];
+            let held = |value: f64, unit: f64| N::from_f64(value / unit).to_f64() * unit;
+            for [_, _, x, y, alpha, vx, vy, valpha, ax, ay, aalpha, ..] in &rows {
+                for (value, unit) in [
+                    (x, length),
+                    (y, length),
+                    (vx, length / time),
+                    (vy, length / time),
+                    (valpha, 1.0 / time),
+                    (ax, length / (time * time)),
+                    (ay, length / (time * time)),
+                    (aalpha, 1.0 / (time * time)),
+                ] {
+                    assert_eq!(*value, held(*value, unit), "{number}");
+                }
+                assert_eq!(*alpha, N::angle_to_f64(N::angle_from_f64(*alpha)), "{number}");
+            }
+        });
+        assert_eq!(rows.len(), scene.job.moves.len() + 1, "{number}");
+    }
+}
+
+/// A drawing's straight stroke, whose controls often lie on its ends: the tangents of the cubic vanish there.
+#[test]
+fn a_straight_bezier_is_planned_as_its_line() {
+    let planned = |piece: &str| {
+        let job = format!("timing = \"shortest\"\n[[job.path]]\n{piece}\n");
+        let scene = with_job(&job).unwrap_or_else(|error| panic!("{error}"));
+        let path = scene.job.path.as_ref().expect("a path");
+        (scene.ticks(), path.pieces[0].piece.curve)
+    };
+    let bezier = |controls: &str, more: &str| {
+        planned(&format!(
+            "bezier = {{ controls_m = {controls}, x_m = 0.28, y_m = 0.28{more} }}"
+        ))
+    };
+    let line = planned("line = { x_m = 0.28, y_m = 0.28 }");
+    for controls in [
+        "[[0.25, 0.245], [0.28, 0.28]]",
+        "[[0.25, 0.245], [0.265, 0.2625]]",
+        "[[0.26, 0.2566666666666667], [0.27, 0.2683333333333333]]",
+    ] {
+        let (ticks, curve) = bezier(controls, "");
+        assert!(matches!(curve, PlaneCurve::Line { .. }), "{controls}");
+        assert_eq!(ticks, line.0, "{controls}");
+    }
+    // Bent, past its end and back, and turned by another law than its way.
+    for (controls, more) in [
+        ("[[0.26, 0.245], [0.27, 0.28]]", ""),
+        ("[[0.25, 0.245], [0.30, 0.3033333333333333]]", ""),
+        ("[[0.25, 0.245], [0.28, 0.28]]", ", alpha_rad = 0.5"),
+    ] {
+        let (_, curve) = bezier(controls, more);
+        assert!(
+            matches!(curve, PlaneCurve::Cubic { .. }),
+            "{controls}{more}"
+        );
+    }
 }
 
 #[test]
