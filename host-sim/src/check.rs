@@ -8,6 +8,7 @@ use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 use trirrr_scene::Scene;
+use trirrr_scene::words::tick_time;
 
 /// `trirrr check`.
 ///
@@ -57,11 +58,11 @@ pub fn command(args: &CheckArgs) -> Result<(), CliError> {
 
 fn as_text(scene: &Scene) -> String {
     let moves = scene.job.count();
-    let duration_s = f64::from(scene.ticks()) * scene.period_s();
     let mut text = format!(
-        "{}: good\n{moves} {}, {duration_s} s: {} ticks at {} Hz in {}\n",
+        "{}: good\n{moves} {}, {} s: {} ticks at {} Hz in {}\n",
         scene.name,
         if moves == 1 { "move" } else { "moves" },
+        tick_time(scene.duration_s()),
         scene.ticks(),
         scene.tick_rate_hz,
         scene.number,
@@ -82,7 +83,7 @@ fn as_json(scene: &Scene, pauses: &[u32]) -> serde_json::Value {
         "tick_rate_hz": scene.tick_rate_hz,
         "moves": scene.job.count(),
         "ticks": scene.ticks(),
-        "duration_s": f64::from(scene.ticks()) * scene.period_s(),
+        "duration_s": scene.duration_s(),
         "longest_stop_s": longest.map(|longest| longest.time_s),
         "longest_stop_m": longest.map(|longest| longest.way_m),
         "pauses": pauses,

@@ -5,6 +5,7 @@ use crate::terminal::digits;
 use trirrr_linkage::redundant::scene::{RedundantRecord, RedundantScene};
 use trirrr_scene::Scene;
 use trirrr_scene::record::Record;
+use trirrr_scene::words::tick_time;
 use trirrr_truth::lagrange::{LagrangeLoads, LagrangeMachine, LagrangeState};
 
 /// Machine by Lagrange's equations, and what it found over a run.
@@ -152,7 +153,7 @@ impl LagrangeFound {
             format!(
                 "largest difference {:.1e} {unit} at t = {} s: {share} of the greatest {what}, {} {unit}",
                 at.value,
-                at.t,
+                tick_time(at.t),
                 digits(greatest)
             )
         };

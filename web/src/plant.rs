@@ -30,7 +30,7 @@ impl SimulatedPlant {
         let Some(settings) = &scene.plant else {
             return Ok(None);
         };
-        let span_s = f64::from(scene.ticks()) * scene.period_s() + settings.settle_s;
+        let span_s = scene.duration_s() + settings.settle_s;
         let every = (span_s / settings.record_s) as u64 / u64::from(rows.max(1)) + 1;
         let mut values = vec![Vec::new(); COLUMNS.len()];
         let mut number = 0;

@@ -5,6 +5,7 @@ use crate::{JobInputs, JobMode, Machine, PlayedJob, SimulatedPlant};
 use std::path::Path;
 use trirrr_jobs::JobRefusal;
 use trirrr_scene::read::machine_file_of;
+use trirrr_scene::words::tick_time;
 use trirrr_scene::{Scene, SceneError, visible};
 use wasm_bindgen::prelude::wasm_bindgen;
 
@@ -220,7 +221,7 @@ impl Reading {
         Some(format!(
             "{moves} {}, {} s: {} ticks at {} Hz in {}",
             if moves == 1 { "move" } else { "moves" },
-            f64::from(scene.ticks()) * scene.period_s(),
+            tick_time(scene.duration_s()),
             scene.ticks(),
             scene.tick_rate_hz,
             scene.number,

@@ -30,7 +30,7 @@ impl PlantEnd {
     pub fn reason(&self) -> Option<String> {
         match self {
             Self::Complete | Self::Interrupted { .. } => None,
-            Self::Ended(ending) => Some(format!("in the plant {ending}")),
+            Self::Ended(ending) => Some(format!("in the plant: {ending}")),
             Self::EnergyLost(loss) => Some(format!("the plant {loss}")),
             Self::Failed(reason) => Some(format!("the plant: {reason}")),
         }

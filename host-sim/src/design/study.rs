@@ -203,7 +203,7 @@ impl Study {
             true => loads(&*machine, &work, &coarse, alpha_rad),
             false => vec![None; coarse.size[0] * coarse.size[1]],
         };
-        let own_s = f64::from(scene.ticks()) * scene.period_s();
+        let own_s = scene.duration_s();
         // One at least: the figure has an axis.
         let factors = FACTORS.iter().take(if is_full { FACTORS.len() } else { 1 });
         let durations = factors.filter_map(|&factor| {
@@ -340,7 +340,7 @@ fn modes(args: &DesignArgs) -> Result<(Scene, Vec<ModeRow>), CliError> {
         Ok(match read {
             Ok(scene) => ModeRow {
                 result: job_in(&scene, 1.0).map_err(failed)?,
-                duration_s: Some(f64::from(scene.ticks()) * scene.period_s()),
+                duration_s: Some(scene.duration_s()),
                 refusal: None,
             },
             Err(refusal) => ModeRow {

@@ -167,12 +167,12 @@ const FIGURES: &[FigureSource] = &[
         dynamic: false,
         panels: &[
             panel(
-                "motor, proximal link",
+                "angle of the motors",
                 "rad",
                 of_legs!(angle, MOTOR_NAMES, |leg| leg.th1),
             ),
             panel(
-                "distal link",
+                "angle of the distal links",
                 "rad",
                 of_legs!(angle, LEG_NAMES, |leg| leg.th2),
             ),
@@ -184,13 +184,13 @@ const FIGURES: &[FigureSource] = &[
         dynamic: false,
         panels: &[
             panel(
-                "motor, proximal link",
+                "rate of the motors",
                 "rad/s",
                 of_legs!(curve, MOTOR_NAMES, |leg| leg.dth1),
             )
             .within(|limits| of_motors(limits.rate_rad_s)),
             panel(
-                "distal link",
+                "rate of the distal links",
                 "rad/s",
                 of_legs!(curve, LEG_NAMES, |leg| leg.dth2),
             ),
@@ -202,13 +202,13 @@ const FIGURES: &[FigureSource] = &[
         dynamic: false,
         panels: &[
             panel(
-                "motor, proximal link",
+                "acceleration of the motors",
                 "rad/s\u{b2}",
                 of_legs!(curve, MOTOR_NAMES, |leg| leg.ddth1),
             )
             .within(|limits| of_motors(limits.acceleration_rad_s2)),
             panel(
-                "distal link",
+                "acceleration of the distal links",
                 "rad/s\u{b2}",
                 of_legs!(curve, LEG_NAMES, |leg| leg.ddth2),
             ),
@@ -246,12 +246,20 @@ const FIGURES: &[FigureSource] = &[
         title: "scale-free distances to singularity",
         dynamic: false,
         panels: &[
-            panel("serial", "", of_legs!(curve, LEG_NAMES, |leg| leg.serial))
-                .with_zero()
-                .within(|limits| least(limits.serial_distance_min)),
-            panel("parallel", "", &[curve("machine", ANGLE, |r| r.parallel)])
-                .with_zero()
-                .within(|limits| least(limits.parallel_distance_min)),
+            panel(
+                "serial distance",
+                "",
+                of_legs!(curve, LEG_NAMES, |leg| leg.serial),
+            )
+            .with_zero()
+            .within(|limits| least(limits.serial_distance_min)),
+            panel(
+                "parallel distance",
+                "",
+                &[curve("machine", ANGLE, |r| r.parallel)],
+            )
+            .with_zero()
+            .within(|limits| least(limits.parallel_distance_min)),
         ],
     },
 ];

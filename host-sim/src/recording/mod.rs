@@ -18,6 +18,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use trirrr_scene::record::{Record, tick_columns};
+use trirrr_scene::words::tick_time;
 
 /// Writes the records of one job.
 pub struct Recorder {
@@ -162,7 +163,7 @@ impl Recorder {
             .flush()
             .map_err(|error| unwritable(&self.path, &error))?;
         let heading = match self.traces.last() {
-            Some(last) if !is_complete => format!("{name} until t = {} s", last.t),
+            Some(last) if !is_complete => format!("{name} until t = {} s", tick_time(last.t)),
             _ => name.into(),
         };
         let (figures, motors) = figures::write_all(&mut self.results, &heading, self.traces)?;

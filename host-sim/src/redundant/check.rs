@@ -6,6 +6,7 @@ use crate::failure::CliError;
 use crate::terminal::print;
 use serde_json::json;
 use trirrr_linkage::redundant::scene::RedundantScene;
+use trirrr_scene::words::tick_time;
 
 /// Checks the scene, and prints what it asks for.
 ///
@@ -32,7 +33,7 @@ fn as_text(scene: &RedundantScene) -> String {
         scene.name,
         kind_text(scene.kind),
         if moves == 1 { "move" } else { "moves" },
-        f64::from(scene.ticks()) * scene.period_s(),
+        tick_time(scene.duration_s()),
         scene.ticks(),
         scene.tick_rate_hz,
     );
@@ -50,7 +51,7 @@ fn as_json(scene: &RedundantScene) -> serde_json::Value {
         "tick_rate_hz": scene.tick_rate_hz,
         "moves": scene.job.moves.len(),
         "ticks": scene.ticks(),
-        "duration_s": f64::from(scene.ticks()) * scene.period_s(),
+        "duration_s": scene.duration_s(),
         "sliders": super::json::sliders(scene),
         "placement": super::json::placement(scene),
     })

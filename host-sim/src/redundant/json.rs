@@ -64,7 +64,7 @@ pub(super) fn summary(file: &Path, scene: &RedundantScene, report: &RedundantRep
         "tick_rate_hz": scene.tick_rate_hz,
         "moves": scene.job.moves.len(),
         "ticks": scene.ticks(),
-        "duration_s": f64::from(scene.ticks()) * scene.period_s(),
+        "duration_s": scene.duration_s(),
         "setpoints": report.rows,
         "end": if report.is_complete { "complete" } else { "stopped" },
         "elapsed_s": report.elapsed.as_secs_f64(),

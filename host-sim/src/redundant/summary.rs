@@ -11,6 +11,7 @@ use std::io::{self, Write};
 use std::path::Path;
 use trirrr_linkage::redundant::scene::RedundantScene;
 use trirrr_plant::statistics::Signal;
+use trirrr_scene::words::tick_time;
 
 /// Prints the summary of a run of `scene`, read from `file`.
 pub(super) fn print(
@@ -99,7 +100,8 @@ fn motion(out: &mut dyn Write, peaks: &RedundantPeaks) -> io::Result<()> {
         line(out, &format!("slider {}", slider.leg + 1), &row(&cells))?;
     }
     writeln!(out)?;
-    let when = |at: At, unit: &str| format!("{}{unit} at t = {} s", digits(at.value), at.t);
+    let when =
+        |at: At, unit: &str| format!("{}{unit} at t = {} s", digits(at.value), tick_time(at.t));
     let (norm, least) = (peaks.norm, peaks.least_norm);
     let texts = [when(norm, " N m"), when(least, " N m")];
     let text = match norm.value > least.value * (1.0 + 1e-9) {
@@ -126,7 +128,7 @@ fn plant(
     let outcome = &simulated.outcome;
     writeln!(out)?;
     let (simulated_s, steps) = (outcome.simulated_s, outcome.steps);
-    let text = format!("{simulated_s} s simulated in {steps} steps");
+    let text = format!("{} s simulated in {steps} steps", digits(simulated_s));
     line(out, "plant", &text)?;
     if let Some(failure) = &outcome.failure {
         line(out, "  failed", failure)?;
@@ -138,7 +140,7 @@ fn plant(
         let (peak, rms) = (digits(signal.peak), digits(signal.rms()));
         format!(
             "peak {peak} {unit} at t = {} s, rms {rms} {unit}",
-            signal.peak_t
+            tick_time(signal.peak_t)
         )
     };
     line(out, "  path", &signal(&outcome.path_error, "m"))?;

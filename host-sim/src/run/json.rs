@@ -24,7 +24,7 @@ pub(super) fn summary(file: &Path, scene: &Scene, report: &RunReport) -> Value {
         "tick_rate_hz": scene.tick_rate_hz,
         "moves": scene.job.count(),
         "ticks": scene.ticks(),
-        "duration_s": f64::from(scene.ticks()) * scene.period_s(),
+        "duration_s": scene.duration_s(),
         "setpoints": report.records,
         "end": end,
         "reason": reason,

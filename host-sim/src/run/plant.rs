@@ -18,6 +18,7 @@ use trirrr_plant::table::{COLUMNS, Row};
 use trirrr_plant::{Outcome, PlantEnd, PlantRun};
 use trirrr_protocol::message::{Telemetry, Transmit};
 use trirrr_scene::Scene;
+use trirrr_scene::words::tick_time;
 use trirrr_service::{Output, Power, Readings};
 
 /// Outcome of a plant, and the files written.
@@ -200,7 +201,11 @@ pub(super) fn print(out: &mut dyn Write, simulated: &Simulated) -> io::Result<()
     )?;
     match &outcome.end {
         PlantEnd::Complete => {}
-        PlantEnd::Interrupted { t } => line(out, "  stopped", &format!("at t = {t} s by Ctrl-C"))?,
+        PlantEnd::Interrupted { t } => line(
+            out,
+            "  stopped",
+            &format!("at t = {} s by Ctrl-C", tick_time(*t)),
+        )?,
         PlantEnd::Ended(ending) => line(out, "  ended", &ending.to_string())?,
         PlantEnd::EnergyLost(loss) => line(out, "  ended", &loss.to_string())?,
         PlantEnd::Failed(reason) => line(out, "  failed", reason)?,
@@ -254,15 +259,15 @@ fn errors(out: &mut dyn Write, outcome: &Outcome) -> io::Result<()> {
             digits(signal.rms())
         )
     };
-    line(out, "  tool off", &show(&statistics.tool_position, "m"))?;
-    line(out, "", &show(&statistics.tool_angle, "rad"))?;
-    for (i, motor) in statistics.motors.iter().enumerate() {
-        let label = if i == 0 { "  joint off" } else { "" };
-        line(
-            out,
-            label,
-            &format!("{}: {}", i + 1, show(&motor.error, "rad")),
-        )?;
+    let tool = [
+        show(&statistics.tool_position, "m"),
+        show(&statistics.tool_angle, "rad"),
+    ];
+    line(out, "  deviation", &format!("tool: {}", tool[0]))?;
+    line(out, "", &format!("tool: {}", tool[1]))?;
+    for (number, motor) in (1..).zip(&statistics.motors) {
+        let joint = show(&motor.error, "rad");
+        line(out, "", &format!("joint {number}: {joint}"))?;
     }
     Ok(())
 }

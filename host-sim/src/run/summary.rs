@@ -9,7 +9,7 @@ use crate::terminal::digits;
 use std::io::{self, Write};
 use std::path::Path;
 use std::time::Duration;
-use trirrr_scene::words::short;
+use trirrr_scene::words::{short, tick_time};
 use trirrr_scene::{Scene, visible};
 
 /// Prints the summary of a run of `scene`, read from `file`.
@@ -125,7 +125,7 @@ fn motion(out: &mut dyn Write, scene: &Scene, report: &RunReport) -> io::Result<
         lagrange(out, found)?;
         writeln!(out)?;
     }
-    let nearest = |at: At| format!("{} at t = {} s", digits(at.value), at.t);
+    let nearest = |at: At| format!("{} at t = {} s", digits(at.value), tick_time(at.t));
     let (leg, serial) = least(&peaks.serial);
     line(
         out,

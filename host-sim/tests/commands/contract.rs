@@ -59,3 +59,36 @@ fn a_design_has_eight_modes_and_a_workspace_with_two_bounds() {
     assert!((number(workspace, "alpha_rad") - std::f64::consts::PI / 20.0).abs() < 1e-12);
     assert!(lower <= 711e-4 && 711e-4 <= upper && upper - lower < 0.01 * upper);
 }
+
+/// An argument that can have no effect is refused, not left out.
+#[test]
+fn a_device_whose_motors_stand_where_they_are_commanded_takes_no_offset() {
+    let folder = TempDir::new().unwrap();
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/thesis.toml");
+    let output = crate::common::command(&folder, &["device", "--listen", "tcp:127.0.0.1:0"])
+        .arg(scene)
+        .args(["--offset-rad", "-0.1", "0", "0.1"])
+        .output()
+        .unwrap();
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("--offset-rad has nothing to move"), "{told}");
+}
+
+/// Times that are whole ticks are told with their digits alone.
+#[test]
+fn a_check_tells_the_duration_without_rounding() {
+    let folder = TempDir::new().unwrap();
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes/pick-stepper.toml");
+    let output = crate::common::command(&folder, &["check"])
+        .arg(scene)
+        .output()
+        .unwrap();
+    let said = String::from_utf8(output.stdout).unwrap();
+    let line = "4 moves, 1.4 s: 700 ticks at 500 Hz in fixed";
+    assert!(said.lines().any(|each| each == line), "{said}");
+    assert_eq!(
+        number(&object("check", "pick-stepper.toml"), "duration_s"),
+        1.4
+    );
+}

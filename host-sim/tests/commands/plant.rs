@@ -43,8 +43,8 @@ fn the_reference_scene_writes_its_table_and_reports() {
     for part in [
         "times faster than real time",
         "method",
-        "tool off",
-        "joint off",
+        "deviation tool: peak",
+        "joint 3: peak",
         "torque N m",
         "energy",
     ] {

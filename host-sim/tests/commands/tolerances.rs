@@ -72,7 +72,7 @@ fn the_shipped_scene_has_errors_torques_and_margins() {
         "tolerances  whole job in",
         "distal length             +- 5.000e-5 m",
         "motor angle               +- 0.0004713 rad",
-        "tool off  at most",
+        "deviation tool: at most",
         " um at t = ",
         " mrad at t = ",
         "leg 2 motor angle + 0.0004713 rad",
@@ -215,7 +215,7 @@ fn exact_machines_and_hopeless_ones_are_told_as_such() {
     let output = run(&scene(folder.path(), "[tolerances]"), &out);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let summary = text(&output.stdout);
-    assert!(summary.contains("tool off  at most"), "{summary}");
+    assert!(summary.contains("deviation tool: at most"), "{summary}");
     assert!(
         !summary.contains("budget  ") && !summary.contains("+-"),
         "{summary}"

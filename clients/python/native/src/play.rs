@@ -65,11 +65,8 @@ pub(crate) fn run<'py>(
 /// Reason why the plant did not come to the end of the job.
 fn plant_reason(end: &PlantEnd) -> Option<String> {
     match end {
-        PlantEnd::Complete => None,
         PlantEnd::Interrupted { t } => Some(format!("the plant was stopped at t = {t} s")),
-        PlantEnd::Ended(ending) => Some(format!("the plant {ending}")),
-        PlantEnd::EnergyLost(loss) => Some(format!("the plant {loss}")),
-        PlantEnd::Failed(reason) => Some(format!("the plant: {reason}")),
+        end => end.reason(),
     }
 }
 

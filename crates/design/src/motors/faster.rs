@@ -76,6 +76,6 @@ impl JobLoad<'_> {
                 false => low = middle,
             }
         }
-        Some(high * f64::from(self.scene.ticks()) * self.scene.period_s())
+        Some(high * self.scene.duration_s())
     }
 }

@@ -232,7 +232,7 @@ fn has_least_time(scene: &Scene) -> bool {
 /// Shortest duration of the job, s: that of its plan; that of given moves, all of them faster by the same factor, until a motor is at
 /// a limit.
 fn shortest_s(scene: &Scene) -> Result<f64, String> {
-    let own_s = f64::from(scene.ticks()) * scene.period_s();
+    let own_s = scene.duration_s();
     if scene.job.path.is_some() {
         return Ok(own_s);
     }

@@ -9,6 +9,7 @@ use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page}
 use trirrr_figures::plane::View;
 use trirrr_figures::style::{ANGLE, FRAME, GROUND, INK, MOTORS, PATH, faded};
 use trirrr_scene::record::Record;
+use trirrr_scene::words::written;
 
 const LEFT: f64 = 84.0;
 const TOP: f64 = 56.0;
@@ -222,11 +223,11 @@ impl Posed<'_> {
             lines.push(format!(
                 "leg {}: base_m = [{}, {}], proximal_m = {}, distal_m = {}, joint_radius_m = {}, joint_angle_rad = {:.5} ({:.2}\u{b0}), elbow = {}",
                 index + 1,
-                leg.base_m.x,
-                leg.base_m.y,
-                leg.proximal_m,
-                leg.distal_m,
-                leg.joint_radius_m,
+                written(leg.base_m.x),
+                written(leg.base_m.y),
+                written(leg.proximal_m),
+                written(leg.distal_m),
+                written(leg.joint_radius_m),
                 leg.joint_angle_rad,
                 leg.joint_angle_rad.to_degrees(),
                 leg.elbow.sign(),

@@ -76,18 +76,18 @@ impl Bounded<'_> {
         }
         if let Some((span, tool)) = &self.worst.distance {
             let text = format!(
-                "at most {} um {}",
+                "tool: at most {} um {}",
                 digits(1e6 * tool.distance_m()),
                 at(span)
             );
-            line(out, "  tool off", &text)?;
+            line(out, "  deviation", &text)?;
         }
         if let Some((span, tool)) = &self.worst.angle {
             let [_, _, dalpha] = tool.sizes();
             line(
                 out,
                 "",
-                &format!("at most {} mrad {}", digits(1e3 * dalpha), at(span)),
+                &format!("tool: at most {} mrad {}", digits(1e3 * dalpha), at(span)),
             )?;
         }
         Ok(())

@@ -127,4 +127,9 @@ impl RedundantScene {
     pub fn ticks(&self) -> u32 {
         self.job.ticks()
     }
+
+    /// Duration of the job, s: the binary64 number that is nearest.
+    pub fn duration_s(&self) -> f64 {
+        f64::from(self.ticks()) / self.tick_rate_hz
+    }
 }
