@@ -66,9 +66,32 @@ async function actions(tab) {
     await tab.fill("#pose input", "5000");
     assert.match(await text(tab, "#reason"), /unreachable: leg 1 is .* mm too short/);
     await tab.fill("#pose input", String(before[0]));
+    await tab.waitForFunction(() => document.querySelector("#reason").hidden);
+    // A field that is cleared is no zero: x = 0 is out of reach.
+    await tab.fill("#pose input", "");
+    assert.ok(await tab.isHidden("#reason"), "an empty field is no pose");
+    await tab.fill("#pose input", String(before[0]));
 
     // A wrong value is told with its place; the same sentence as the host tools have.
     const scene = await tab.inputValue("#text");
+    // A long text has numbers where it is seen, and no more.
+    const short = scene.split("\n").length;
+    await tab.$eval("#text", (field, text) => {
+        field.value = text;
+        field.dispatchEvent(new Event("input"));
+    }, scene + "#\n".repeat(20_000));
+    const numbers = () => tab.$$eval("#gutter span", (list) => list.map((each) => Number(each.textContent)));
+    assert.equal((await numbers())[0], 1);
+    await tab.$eval(".code", (pane) => pane.scrollTo({ top: pane.scrollHeight }));
+    await tab.waitForFunction((last) => Number(document.querySelector("#gutter span:last-child").textContent) === last, short + 20_000);
+    assert.ok((await numbers()).length < 500, "lines out of view have no number");
+    await tab.waitForFunction(() => {
+        const [text, number] = ["#text", "#gutter span:last-child"].map((each) => document.querySelector(each).getBoundingClientRect());
+        return Math.abs(text.bottom - number.bottom - 8) < 2;
+    });
+    await tab.fill("#text", scene);
+    await tab.$eval(".code", (pane) => pane.scrollTo({ top: 0 }));
+    await checked(tab);
     await tab.fill("#text", scene.replace("proximal_m = ", "proximal_m = -"));
     await checked(tab);
     const line = scene.slice(0, scene.indexOf("proximal_m")).split("\n").length;

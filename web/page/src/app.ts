@@ -239,7 +239,7 @@ class Page {
     private async open(files: Iterable<File> | null | undefined): Promise<void> {
         if (this.isOfBoard()) return;
         const opened = [...(files ?? [])];
-        const scenes = opened.filter((file) => file.name.endsWith(".toml"));
+        const scenes = opened.filter((file) => /\.toml$/i.test(file.name));
         const texts = new Map<string, string>();
         for (const file of opened.filter((each) => scenes.includes(each) || isJob(each.name))) {
             try {
@@ -263,7 +263,7 @@ class Page {
                 this.row = 0;
                 this.keep();
                 this.readWhole();
-            } else this.setVerdict(`${file.name} is no scene (.toml) and no job in G-code (.gcode, .nc, .ngc) or SVG; DXF, images and tables are for \`trirrr run ${file.name} --machine SCENE.toml\``, true);
+            } else this.setVerdict(`${file.name} is no scene (.toml) and no job in G-code (.gcode, .nc, .ngc, .tap) or SVG; DXF, images and tables are for \`trirrr run ${file.name} --machine SCENE.toml\``, true);
         }
     }
 
@@ -363,7 +363,8 @@ class Page {
         const good = [isOfJob ? "The job has a plan." : "The scene is good.", warning].filter(Boolean).join(" Warning: ");
         this.program.tell(isOfJob ? "job" : "scene", problems, [good, ...notes].join(" "));
         this.job = job;
-        this.jobModes = undefined;
+        // A job that is refused has no mode to wait for.
+        this.jobModes = job === undefined ? [] : undefined;
         this.plant = undefined;
         showPlant(page, hasPlant ? "Simulating the motors, gears and friction \u2026" : undefined);
         const count = job?.columns.t?.length ?? 0;
@@ -463,7 +464,9 @@ class Page {
         this.row = row;
         this.time.value = String(row);
         const end = columns.t?.at(-1) ?? 0;
-        page("clock").textContent = `${number(time)} of ${number(end)} s`;
+        const clock = `${number(time)} of ${number(end)} s`;
+        page("clock").textContent = clock;
+        this.time.setAttribute("aria-valuetext", clock);
         this.plots.mark(time);
         if (!moves) return;
         this.isAtJob = true;

@@ -2,8 +2,13 @@
 
 import type { Trouble } from "./answers";
 
+/** Lines above and below the view that are numbered, too: a scroll may be shown before it is told. */
+const SPARE = 40;
+
 export class Editor {
     private troubles: Trouble[] = [];
+    private readonly pane: HTMLElement;
+    private rows = 1;
 
     constructor(
         private readonly text: HTMLTextAreaElement,
@@ -12,6 +17,9 @@ export class Editor {
         private readonly list: HTMLElement,
         onEdit: () => void,
     ) {
+        this.pane = text.closest(".code") as HTMLElement;
+        this.pane.addEventListener("scroll", () => this.number(), { passive: true });
+        new ResizeObserver(() => this.number()).observe(this.pane);
         text.addEventListener("input", () => {
             // Places of the last reading are no longer those of the text.
             this.marks.replaceChildren();
@@ -87,25 +95,42 @@ export class Editor {
         const begin = before.reduce((sum, each) => sum + each.length + 1, 0) + column - 1;
         this.text.focus();
         this.text.setSelectionRange(begin, begin);
-        const pane = this.text.closest(".code");
         const height = Number.parseFloat(getComputedStyle(this.text).lineHeight);
-        pane?.scrollTo({ top: (line - 4) * height, left: 0 });
+        this.pane.scrollTo({ top: (line - 4) * height, left: 0 });
     }
 
     /** Makes the text as large as what it holds, and numbers its lines. */
     private fit(): void {
-        const lines = this.text.value.split("\n");
-        const longest = lines.reduce((most, line) => Math.max(most, line.length), 0);
-        this.text.style.setProperty("--rows", String(lines.length));
+        let [rows, longest, begin] = [0, 0, 0];
+        const text = this.text.value;
+        while (begin <= text.length) {
+            const end = text.indexOf("\n", begin);
+            const stop = end < 0 ? text.length : end;
+            longest = Math.max(longest, stop - begin);
+            rows += 1;
+            begin = stop + 1;
+        }
+        this.rows = rows;
+        this.text.style.setProperty("--rows", String(rows));
         this.text.style.setProperty("--columns", String(longest + 2));
+        this.gutter.style.setProperty("--digits", String(String(rows).length));
+        this.number();
+    }
+
+    /** Numbers the lines in view: a text may have a hundred thousand. */
+    private number(): void {
+        const height = Number.parseFloat(getComputedStyle(this.text).lineHeight);
+        const first = Math.max(0, Math.floor(this.pane.scrollTop / height) - SPARE);
+        const last = Math.min(this.rows, Math.ceil((this.pane.scrollTop + this.pane.clientHeight) / height) + SPARE);
         const wrong = new Set(this.troubles.map((trouble) => trouble.line));
-        this.gutter.replaceChildren(
-            ...lines.map((_, index) => {
-                const number = document.createElement("span");
-                number.textContent = String(index + 1);
-                number.classList.toggle("bad", wrong.has(index + 1));
-                return number;
-            }),
-        );
+        const numbers: HTMLElement[] = [];
+        for (let line = first + 1; line <= last; line++) {
+            const number = document.createElement("span");
+            number.textContent = String(line);
+            number.classList.toggle("bad", wrong.has(line));
+            numbers.push(number);
+        }
+        this.gutter.style.setProperty("--line", String(first));
+        this.gutter.replaceChildren(...numbers);
     }
 }

@@ -76,7 +76,11 @@ export class Panel {
             page("distances").append(element("div", { class: "distance" }, element("span", {}, label), meter, element("output")));
             return meter;
         });
-        const take = () => onState(this.inputs.map(({ input, factor }) => (Number.isFinite(input.valueAsNumber) ? input.valueAsNumber : 0) / factor));
+        const take = () => {
+            const state = this.inputs.map(({ input, factor }) => input.valueAsNumber / factor);
+            // A field that is empty or half written is no state yet.
+            if (state.every(Number.isFinite)) onState(state);
+        };
         for (const [place, list] of [["pose", POSE], ["rates", MOTION]] as const) {
             for (const [name, unit, factor, step] of list) {
                 const input = element("input", { type: "number", step: "any", "data-step": String(step) });
@@ -152,7 +156,8 @@ export class Panel {
             this.judge(here, mode.reason);
             say(over, job === undefined ? "\u2026" : inJob === undefined ? "\u2013" : inJob.reason !== undefined && inJob.torque === 0 ? "\u2013" : number(inJob.torque));
             this.judge(over, inJob?.reason);
-            say(parallel, number(mode.parallel));
+            const isThere = mode.torques.length > 0 || mode.reason === undefined;
+            say(parallel, number(isThere ? mode.parallel : NaN));
             row.classList.toggle("own", mode.isOwn);
             row.onpointerenter = name.onfocus = () => onPeek(mode.name);
             row.onpointerleave = name.onblur = () => onPeek(undefined);

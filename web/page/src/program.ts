@@ -19,7 +19,7 @@ const INPUTS: [keyof JobInputValues, string][] = [
 ];
 
 /** True for the name of a file that may hold a job. */
-export const isJob = (file: string): boolean => /\.(gcode|nc|ngc|svg)$/i.test(file);
+export const isJob = (file: string): boolean => /\.(gcode|nc|ngc|tap|svg)$/i.test(file);
 
 export class Program {
     /** Name of the job's file; none without a job. */
