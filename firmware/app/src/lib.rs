@@ -72,7 +72,7 @@ pub use image_flash::is_lost_expected;
 #[cfg(all(target_os = "none", lamp))]
 pub use lamp::LampPin;
 #[cfg(target_os = "none")]
-pub use line::{BAUD, LOG_BAUD, ReceivedBytes};
+pub use line::{BAUD, IN_FLIGHT, IS_FIXED, LOG_BAUD, ReceivedBytes};
 #[cfg(target_os = "none")]
 pub use service::{Channels, Output, Readings, build};
 #[cfg(target_os = "none")]

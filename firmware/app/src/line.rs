@@ -1,8 +1,11 @@
 //! Line to the host: bytes to requests, messages to frames.
 
+use crate::scene::Scalar;
 use crate::service::{Message, MessageRef, Request};
 use embedded_hal_nb::serial::Write;
 use heapless::spsc::Consumer;
+use trirrr_core::number::Arithmetic;
+use trirrr_protocol::message::WINDOW;
 use trirrr_protocol::wire::schema::longest;
 use trirrr_protocol::wire::{Decoder, decoded_length, encode, frame_length};
 
@@ -25,6 +28,13 @@ impl ReceivedBytes for Consumer<'static, u8> {
 
 /// Longest request with its checksum, bytes.
 const REQUEST: usize = decoded_length(longest::<Request>());
+
+/// Most bytes of the requests that a host has sent and has no answer to. A receiver with room for them loses none, however long the
+/// background is away.
+pub const IN_FLIGHT: usize = WINDOW * frame_length(longest::<Request>());
+
+/// The image computes in fixed point.
+pub const IS_FIXED: bool = !Scalar::PROPAGATES_NON_FINITE;
 
 /// Longest frame of a message, bytes.
 const FRAME: usize = frame_length(longest::<Message>());
