@@ -56,7 +56,7 @@ fn standard_input_is_a_table_and_one_without_numbers_fails() {
         input.write_all(cases.as_bytes()).unwrap();
         drop(input);
         let output = command.wait_with_output().unwrap();
-        let [said, told] = [output.stdout, output.stderr].map(|text| String::from_utf8(text));
+        let [said, told] = [output.stdout, output.stderr].map(String::from_utf8);
         (output.status.code(), said.unwrap(), told.unwrap())
     };
     // 90 m away.
