@@ -3,13 +3,15 @@
 use super::driver::{MachineDriver, place_of};
 use super::path::MOTIONS;
 use super::reach::SceneReach;
+use crate::job_file::JobFileArgs;
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_client::exchange::{Patience, Turn};
 use trirrr_client::local::{self, LocalService};
 use trirrr_grbl::{Dialect, MachineFacts};
-use trirrr_protocol::message::{Message, Request};
-use trirrr_scene::Scene;
+use trirrr_jobs::{gcode_job, job_scene};
+use trirrr_protocol::message::{Message, Request, State};
+use trirrr_scene::{LongestStop, Scene};
 use trirrr_service::InterlockReadings;
 
 /// Number type. Its planner has room for all that these jobs ask for.
@@ -18,8 +20,15 @@ type N = f64;
 /// Longest way of a frame, ticks.
 const LATENCY: usize = 5;
 
-/// Ticks from a byte to rest at most: the hold's ramp of 100, what is under way on the line before the hold, and motions that leave the
-/// ramp no room, where the hold comes behind them.
+/// Ticks from a real-time byte to the one that slows down, at most: an order under way, its answer and the hold on the line, and a tick for
+/// the dialect, the driver and the machine each. The door is heard by the machine itself.
+const BYTE: u64 = 3 * LATENCY as u64 + 3;
+
+/// Way of a hold over its promise, at most: the machine plans these jobs by itself, and its moves may be nearer to the feed than those of a
+/// plan on the host. The time is that of the promise.
+const WAY: f64 = 1.02;
+
+/// Ticks after which each hold is at rest.
 const REST: usize = 600;
 
 /// Slices of the work below a tick.
@@ -75,6 +84,8 @@ struct Bench<'a> {
     place: [f64; 2],
     /// Tick of the last motion.
     moved: u64,
+    /// First tick that slowed down since the last byte, and the place before it.
+    slowed: Option<(u64, [f64; 2])>,
 }
 
 impl Bench<'_> {
@@ -90,7 +101,11 @@ impl Bench<'_> {
             ..InterlockReadings::default()
         });
         self.machine.sense_digital(u8::from(self.input));
+        let before = self.place;
         self.machine.tick();
+        if matches!(self.machine.state(), State::Slowing | State::Stopping) {
+            self.slowed.get_or_insert((self.tick, before));
+        }
         if let Some(played) = self.machine.motion() {
             let position = &played.0.pose.position;
             let place = [position.x, position.y];
@@ -176,9 +191,26 @@ struct Figures {
     lost: u32,
     /// Jobs that the machine's proof has dropped: they count for nothing.
     dropped: u32,
-    /// Most ticks from a byte to rest, and the longest way between, m.
-    ticks: u64,
-    way_m: f64,
+    /// Most ticks from a byte to the tick that slows down.
+    byte: u64,
+    /// Holds with a promise, and their greatest time and way over it.
+    promised: u32,
+    time: f64,
+    way: f64,
+}
+
+impl Figures {
+    /// Compares a hold with its promise: the ticks that slow down, and the way in them.
+    fn compare(&mut self, byte: u64, ticks: u64, way_m: f64, promise: Option<LongestStop>) {
+        self.byte = self.byte.max(byte);
+        if let Some(promise) = promise {
+            self.promised += 1;
+            // A tick lasts for a millisecond. The promise is of whole ticks.
+            let promised = (1000.0 * promise.time_s).round();
+            self.time = self.time.max(ticks as f64 / promised);
+            self.way = self.way.max(way_m / promise.way_m);
+        }
+    }
 }
 
 /// The engraving machine with a door, an output and an input, that plans paths.
@@ -204,6 +236,18 @@ fn line(random: &mut Random) -> String {
         10 => "M66 P0 L3 Q100".into(),
         _ => format!("M{} S{}", 3 + random.below(3), random.below(1000)),
     }
+}
+
+/// What `trirrr check` promises for a hold in a job of these `lines` from `place` on; none of a job that it refuses.
+fn promise(place: [f64; 2], lines: &str) -> Option<LongestStop> {
+    let mut machine = scene();
+    machine.job.start.position = place.into();
+    // A jog is a line at its feed.
+    let text = lines.replace("$J=", "G1 ");
+    let job = gcode_job(text.as_bytes(), &machine, &JobFileArgs::default().options());
+    let mut scene = job_scene("job.nc", &machine);
+    scene.take_path(&job.ok()?.path).ok()?;
+    scene.longest_stop()
 }
 
 /// Plays jobs with so many holds.
@@ -238,6 +282,7 @@ fn play(seed: u64, holds: u32) -> Figures {
             said: String::new(),
             place: [0.0; 2],
             moved: 0,
+            slowed: None,
         };
         bench.dialect.connect();
         bench.send(b"$X\n");
@@ -259,6 +304,7 @@ fn hold_in_a_job(bench: &mut Bench, figures: &mut Figures) {
         lines => (0..2 * lines).map(|_| line(&mut bench.random)).collect(),
     };
     let lines = lines.join("\n") + "\n";
+    let promise = promise(bench.place, &lines);
     bench.input = false;
     bench.send(lines.as_bytes());
     let delay = bench.random.below(1500);
@@ -266,7 +312,8 @@ fn hold_in_a_job(bench: &mut Bench, figures: &mut Figures) {
     bench.input = bench.random.below(2) == 0;
     // One that ends in this very moment is a jog no more.
     let is_jog = bench.state() == "Jog";
-    let (at, from) = (bench.tick, bench.place);
+    let at = bench.tick;
+    bench.slowed = None;
     let wanted = match bench.random.below(3) {
         0 => {
             bench.send(b"!");
@@ -283,7 +330,7 @@ fn hold_in_a_job(bench: &mut Bench, figures: &mut Figures) {
     };
     bench.pass_for(REST);
     let state = bench.state();
-    let (ticks, rest) = (bench.moved.saturating_sub(at), bench.place);
+    let rest = bench.place;
     // Nothing moves, whatever ends meanwhile, before the user goes on.
     let stands = bench.random.below(700);
     bench.pass_for(stands);
@@ -298,9 +345,16 @@ fn hold_in_a_job(bench: &mut Bench, figures: &mut Figures) {
                 bench.told()
             );
         }
-        figures.ticks = figures.ticks.max(ticks);
-        let way = (rest[0] - from[0]).hypot(rest[1] - from[1]);
-        figures.way_m = figures.way_m.max(way);
+        match bench.slowed {
+            // It stood, or came to the end of its way before the hold.
+            None => assert!(bench.moved <= at + BYTE, "{lines:?}"),
+            Some((slowed, from)) => figures.compare(
+                slowed - at,
+                (bench.moved + 1).saturating_sub(slowed),
+                (rest[0] - from[0]).hypot(rest[1] - from[1]),
+                promise,
+            ),
+        }
     }
     (bench.door, bench.input) = (false, true);
     bench.pass_for(60);
@@ -330,14 +384,20 @@ fn check(holds: u32) {
     let seed = 0x7472_6972_7272_0471;
     let figures = play(seed, holds);
     println!(
-        "seed {seed:#x}: {} holds at random instants, {} lost, {} jobs dropped; at rest within {} ms and {:.2} mm",
+        "seed {seed:#x}: {} holds at random instants, {} lost, {} jobs dropped; slowed down within {} ms, {} with a promise, {:.4} of its \
+         time and {:.4} of its way",
         figures.holds,
         figures.lost,
         figures.dropped,
-        figures.ticks,
-        figures.way_m * 1000.0
+        figures.byte,
+        figures.promised,
+        figures.time,
+        figures.way
     );
     assert_eq!(figures.lost, 0);
+    assert!(figures.byte <= BYTE);
+    assert!(figures.promised > holds / 5, "{figures:?}");
+    assert!(figures.time <= 1.0 && figures.way <= WAY, "{figures:?}");
 }
 
 #[test]

@@ -18,7 +18,7 @@ pub struct JobFileArgs {
     #[command(flatten)]
     pub set: SetArgs,
     /// Zero point of the file in the frame of the machine: x and y in mm, and alpha in degrees if it is not 0
-    #[arg(long, value_name = "X,Y[,ALPHA]", requires = "machine", allow_hyphen_values = true, value_parser = origin)]
+    #[arg(long, value_name = "X,Y[,ALPHA]", requires = "machine", value_parser = origin)]
     pub origin: Option<[f64; 3]>,
     /// Distance by which a corner may be rounded, mm; 0: the machine stops at each. `G64 P` of the file goes before it
     #[arg(long, value_name = "MM", requires = "machine", default_value_t = 0.01, value_parser = distance)]
@@ -59,7 +59,7 @@ impl Default for JobFileArgs {
 
 impl JobFileArgs {
     /// The options that the arguments give, in SI units.
-    pub(super) fn options(&self) -> JobOptions {
+    pub(crate) fn options(&self) -> JobOptions {
         let [x, y, alpha] = self.origin.unwrap_or([0.0; 3]);
         JobOptions {
             origin: ToolPlace {
