@@ -318,7 +318,7 @@ impl ModelVisitor<f64> for PlanJob<'_> {
             others,
         } = self;
         let limits = Limits::build(&scene.limits)?;
-        let ramp = scene.service.stop_time_max_s.map_or(0.0, f64::recip);
+        let ramp = scene.ramp().least_rate(scene.period_s());
         let machine = scene.model().with(&scene.parameters);
         let planner = Planner::<M>::build(machine, limits, ramp)?;
         let sampling = Sampling {

@@ -24,14 +24,14 @@ fn planning<N: Number>(scene: &Scene, units: &Units) -> Planning<N> {
             [path.tolerance_m, path.tolerance_rad]
         });
     let radii = scene.parameters.legs.iter().map(|leg| leg.joint_radius_m);
-    let stop_s = scene.service.stop_time_max_s;
+    let period = units.time(scene.period_s());
     let settings = WindowSettings {
-        period_s: units.time(scene.period_s()),
+        period_s: period,
         ticks: (STEP_S * scene.tick_rate_hz).round().max(1.0) as u32,
         tolerance_m: tolerances[0] / units.length_m(),
         tolerance_rad: tolerances[1],
         lever_m: radii.fold(0.0, f64::max) / units.length_m(),
-        hold_rate: stop_s.map_or(0.0, |most| 1.0 / units.time(most)),
+        hold_rate: scene.ramp().least_rate(period),
     };
     settings.planning()
 }

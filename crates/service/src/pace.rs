@@ -110,6 +110,13 @@ impl Ramp {
             least: Pace::least(slower),
         }
     }
+
+    /// Rate of slowing down that every move has to leave room for, in paces a second: whole levels a tick of `period_s`. A plan that
+    /// leaves room for less is refused move by move.
+    pub fn least_rate(&self, period_s: f64) -> f64 {
+        let [slower, _] = self.least.slower;
+        f64::from(slower) / (f64::from(FULL) * f64::from(self.ticks) * period_s)
+    }
 }
 
 /// The paces of a move, part by part.
@@ -292,6 +299,15 @@ impl RoomCount {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_move_leaves_room_for_whole_levels() {
+        assert_eq!(Ramp::within(100, None).least_rate(1e-3), 0.0);
+        assert_eq!(Ramp::within(100, Some(100)).least_rate(1e-3), 10.0);
+        // 33 of 128 levels of 10/s, which is more than 1 / 0.397 s.
+        let rate = Ramp::within(100, Some(397)).least_rate(1e-3);
+        assert!((rate - 2.578_125).abs() < 1e-12, "{rate}");
+    }
 
     #[test]
     fn parts_cover_a_move_without_gap_and_each_is_a_tick_at_least() {
