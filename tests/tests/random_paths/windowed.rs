@@ -6,7 +6,7 @@ use trirrr_core::limits::Limits;
 use trirrr_core::model::{Model, ModelKind, ModelVisitor};
 use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_plan::window::{Outlook, Window, WindowMove, WindowPiece};
-use trirrr_protocol::message::{AnyMove, Bounded, Move, Violation};
+use trirrr_protocol::message::{AnyMove, Move, Violation};
 use trirrr_scene::{JobPath, NumberType, Scene, settings, units};
 use trirrr_service::ServiceNumber;
 use trirrr_service::admission::{Admission, Enclose, Path, Verdict};
@@ -107,12 +107,12 @@ impl<N: ServiceNumber + Enclose<Bound = N>, const CELLS: usize> ModelVisitor<N>
                         }
                         window.keep();
                     }
-                    Some(violation) if is_of_pace(&violation) => {
-                        let by = violation.value.abs().div(violation.limit) - N::ONE;
-                        window.cut(&coefficients, by);
-                    }
                     Some(violation) => {
-                        return Err(format!("{violation:?}"));
+                        let excess = match violation.limit > N::ZERO {
+                            true => violation.value.abs().div(violation.limit) - N::ONE,
+                            false => N::ZERO,
+                        };
+                        window.cut(&coefficients, excess);
                     }
                 },
             }
@@ -122,13 +122,6 @@ impl<N: ServiceNumber + Enclose<Bound = N>, const CELLS: usize> ModelVisitor<N>
             None => Ok(windowed),
         }
     }
-}
-
-fn is_of_pace<N: ServiceNumber>(violation: &Violation<N>) -> bool {
-    matches!(
-        violation.what,
-        Bounded::Rate | Bounded::Acceleration | Bounded::Torque | Bounded::Power
-    ) && violation.limit > N::ZERO
 }
 
 /// The violation for which the service refuses a move, if it does.

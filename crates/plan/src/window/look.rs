@@ -4,7 +4,7 @@ use super::numbered::{Maybe, Numbered, set};
 use crate::cell::{Cell, Obstacle, Planner};
 use crate::extreme::{greater, lesser, unbounded};
 use crate::passes::{greatest_end, greatest_start};
-use crate::piece::{Piece, PieceJoint};
+use crate::piece::{Piece, PieceJoint, length};
 use trirrr_core::model::Model;
 use trirrr_core::number::{Arithmetic, Number};
 use trirrr_service::admission::{Enclose, Path};
@@ -13,6 +13,13 @@ use trirrr_service::admission::{Enclose, Path};
 /// bits: a step is so short that this is seen in its acceleration.
 const SHARE: f64 = 0.995;
 const SHARE_OF_ROUNDED: f64 = 0.98;
+/// The same while the motion is too fast for the plan.
+const WHOLE: f64 = 0.998;
+/// The same where rounding is most of the acceleration: no share is small enough there.
+const SHARE_MIN: f64 = 0.5;
+/// Roundings by which the poses at the ends of a step change its acceleration, times the square of the step. Within half a metre of the base
+/// they are four at most, by 5.8 quarters at each end in both coordinates; longer moves have fewer.
+const ROUNDINGS: u32 = 2;
 /// Cells on the way on which the machine brakes from the greatest pace.
 const CELLS_TO_BRAKE: u32 = 8;
 /// Longest cell on a piece at a stop, in p.
@@ -25,6 +32,8 @@ const BLUR: f64 = 0.01;
 const SHORTEST: f64 = 1.0 / 4096.0;
 /// Turn between two pieces that the moves smooth without slowing down, rad.
 const UNSEEN_TURN: f64 = 0.1;
+/// Part of the greatest acceleration by which a turn may add to it.
+const TURNING: f64 = 0.015;
 /// Factor by which a cell may be longer than the one before.
 const GROWTH: u32 = 4;
 
@@ -160,7 +169,7 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
                     (true, None) => B::ZERO,
                     (true, Some(joint)) => {
                         cell.join(joint.scale);
-                        most_at(&joint, rate)
+                        most_at(&joint, rate, step)
                     }
                 };
                 self.cells.push(Planned {
@@ -220,7 +229,10 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
             return Ok(Err(greater(suited, shortest)));
         }
         self.span = lesser(suited, span * B::ratio(GROWTH, 1));
-        leave_room(&mut cell);
+        let middle = B::HALF * (ends[0] + ends[1]);
+        let acceleration = rate * length(entry.piece.at(middle).first);
+        let noise = B::UNIT_ROUNDOFF * B::ratio(ROUNDINGS, 1);
+        leave_room(&mut cell, noise.div(acceleration * step * step));
         cell.reserve(planner.ramp());
         Ok(Ok((cell, rate)))
     }
@@ -373,16 +385,28 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
             Some(next) => [next.ceiling, next.cell.joint],
             None => [B::ZERO, B::ONE],
         };
-        let cap = ceiling.div(joint);
-        if let Some(planned) = self.cells.get(pass.index) {
-            let end = greatest_end(&planned.cell, planned.square, cap);
-            let square = lesser(ceiling, end * joint);
-            if let Some(planned) = self.cells.get_mut(next) {
-                planned.square = square;
-            }
+        if let Some(end) = self.reached(pass.index, ceiling.div(joint))
+            && let Some(planned) = self.cells.get_mut(next)
+        {
+            planned.square = end * joint;
         }
         pass.index = next;
         set(&mut self.pass, pass);
+    }
+
+    /// Greatest x at the end of cell `number`, at most `cap`, unless the motion is too fast for the plan: limits that moves have
+    /// lowered behind its start. Then it brakes by all that the limits leave, and no harder, until it is as slow as the plan.
+    fn reached(&mut self, number: u32, cap: B) -> Option<B> {
+        let planned = self.cells.get_mut(number)?;
+        let least = planned.ceiling + planned.ceiling * B::ratio(1, 1024);
+        let is_too_fast = planned.square > least && cap > B::ZERO;
+        let share = planned.cell.share;
+        if is_too_fast {
+            planned.cell.share = greater(share, B::from_f64(WHOLE));
+        }
+        let end = greatest_end(&planned.cell, planned.square, cap);
+        planned.cell.share = share;
+        Some(if is_too_fast { end } else { lesser(end, cap) })
     }
 
     /// x at the end of cell `number`, which is committed.
@@ -408,25 +432,24 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
 }
 
 /// Greatest x at the start of a piece with about the greatest acceleration `rate`. A turn at its joint is one of the path, or of its
-/// rounding: such a piece is so short that nobody knows. The motion has its length for the turn.
-fn most_at<B: Number>(joint: &PieceJoint<B>, rate: B) -> B {
+/// rounding: such a piece is so short that nobody knows. The motion turns between two samples, `step` apart, by a part of `rate`.
+fn most_at<B: Number>(joint: &PieceJoint<B>, rate: B, step: B) -> B {
     let PieceJoint { scale, turn } = *joint;
     if turn <= B::from_f64(UNSEEN_TURN) {
         return unbounded();
     }
     // In parts of the piece: the shorter of the two.
     let shorter = lesser(scale.sqrt(), B::ONE);
-    (rate * shorter).div(turn)
+    let pace = (B::from_f64(TURNING) * rate * step).div(turn);
+    lesser((rate * shorter).div(turn), pace * pace)
 }
 
-/// Leaves the part of the limits that moves need beside the plan.
-fn leave_room<B: Number>(cell: &mut Cell<B>) {
+/// Leaves the part of the limits that moves need beside the plan, where rounding is the part `noise` of the acceleration.
+fn leave_room<B: Number>(cell: &mut Cell<B>, noise: B) {
     let is_rounded = B::UNIT_ROUNDOFF > B::from_f64(1e-12);
-    cell.tighten(B::from_f64(if is_rounded {
-        SHARE_OF_ROUNDED
-    } else {
-        SHARE
-    }));
+    let most = B::from_f64(if is_rounded { SHARE_OF_ROUNDED } else { SHARE });
+    let share = lesser(most, B::from_f64(SHARE) - noise);
+    cell.tighten(greater(share, B::from_f64(SHARE_MIN)));
     cell.apply_tightening();
 }
 

@@ -104,8 +104,7 @@ pub enum Outlook<B: Number, T> {
     Working,
     /// Nothing to do before a piece comes, or the end is declared.
     Waiting,
-    /// A move. The window waits for [`keep`](Window::keep), [`cut`](Window::cut),
-    /// [`shorten`](Window::shorten) or [`give_up`](Window::give_up).
+    /// A move. The window waits for [`keep`](Window::keep), [`cut`](Window::cut) or [`give_up`](Window::give_up).
     Move(WindowMove<B, T>),
 }
 

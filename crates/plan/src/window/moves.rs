@@ -5,7 +5,7 @@ use super::numbered::set;
 use super::{Draft, Outlook, Sample, Window, WindowMove, WindowRefusal};
 use crate::cell::Obstacle;
 use crate::extreme::greater;
-use crate::fit::{EXCESS_OF_FIT, Fit, MARGIN, Motion, ends, rest, size, smoothed};
+use crate::fit::{Fit, MARGIN, Motion, ends, rest, size, smoothed};
 use nalgebra::Vector2;
 use trirrr_core::model::Model;
 use trirrr_core::number::{Arithmetic, Number, WideArithmetic};
@@ -16,9 +16,6 @@ use trirrr_service::admission::{Enclose, Path};
 const FASTER: f64 = 2e-3;
 /// Times that the limits of cells are lowered for one move.
 const STRIKES: u32 = 12;
-
-/// The same, after which a move is cut as well: its start is given, and less of it may depend on that.
-const STUBBORN: u32 = 4;
 /// Steps of the last move to a stop at least, where there are as many.
 const LAST: u32 = 3;
 
@@ -151,34 +148,23 @@ impl<N: Enclose, T: Copy + PartialEq, const PIECES: usize, const CELLS: usize>
         }
     }
 
-    /// The move that was made exceeds a limit by the part `by`, or is not proven to keep it: another takes its place.
+    /// The move that was made exceeds a limit by the part `by`, or is not proven to keep it: another takes its place. A shorter one,
+    /// down to the planned motion itself, comes before a lower pace: a motion that brakes as hard as it may has no lower one, and the
+    /// excess is that of the first instant, not the largest. The lower the pace, the less it leaves the path, too.
     pub fn cut<M: Model<N = N>>(&mut self, path: &Path<M>, by: N::Bound) {
-        let Some(draft) = self.draft.take() else {
+        let Some(Draft { steps, .. }) = self.draft.take() else {
             return;
         };
-        let is_stubborn = self.strikes >= STUBBORN;
-        if (by > N::Bound::from_f64(EXCESS_OF_FIT) || is_stubborn) && draft.steps > 1 {
-            self.longest = draft.steps / 2;
-            return;
-        }
-        if self.strikes == STRIKES {
-            self.give_up();
+        if steps > 1 {
+            self.longest = steps / 2;
             return;
         }
         self.strikes += 1;
+        self.longest = self.settings.longest;
         let margin = N::Bound::from_f64(MARGIN) * N::Bound::ratio(1 << self.strikes, 1);
         let share = N::Bound::ONE.div(N::Bound::ONE + greater(by, N::Bound::ZERO) + margin);
-        if !self.lower(path, draft.steps, share) {
+        if self.strikes > STRIKES || !self.lower(path, steps, share) {
             self.give_up();
-        }
-    }
-
-    /// The move that was made is refused for what its pace does not change, or is not proven to keep that: a shorter one takes its
-    /// place, whose bounds are narrower. There is none where it has one step.
-    pub fn shorten(&mut self) {
-        match self.draft.take() {
-            Some(draft) if draft.steps > 1 => self.longest = draft.steps / 2,
-            _ => self.give_up(),
         }
     }
 

@@ -103,17 +103,12 @@ impl<N: ServiceNumber, const PIECES: usize, const CELLS: usize> PathPlanner<N>
 
     fn cut<M: Model<N = N>>(&mut self, path: &Path<M>, violation: &Violation<N>) {
         set(&mut self.refused, *violation);
-        let is_of_pace = matches!(
-            violation.what,
-            Bounded::Rate | Bounded::Acceleration | Bounded::Torque | Bounded::Power
-        );
-        match is_of_pace && violation.limit > N::ZERO {
-            true => {
-                let by = violation.value.bound().abs().div(violation.limit.bound());
-                self.window.cut(path, by - N::Bound::ONE);
-            }
-            false => self.window.shorten(),
-        }
+        // Below a distance, or out of range, there is none.
+        let excess = match violation.limit > N::ZERO {
+            true => violation.value.bound().abs().div(violation.limit.bound()) - N::Bound::ONE,
+            false => N::Bound::ZERO,
+        };
+        self.window.cut(path, excess);
     }
 
     fn drop_path(&mut self) {
