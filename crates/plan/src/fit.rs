@@ -11,8 +11,6 @@ pub(crate) const LONGEST_S: f64 = 0.128;
 const DIFFERENCE: f64 = 0.005;
 /// Instants at which a move is compared.
 const INSTANTS: u32 = 8;
-/// Excess of a limit above which moves are cut before the pace is lowered.
-pub(crate) const EXCESS_OF_FIT: f64 = 0.003;
 /// Margin beyond an excess.
 pub(crate) const MARGIN: f64 = 1e-3;
 

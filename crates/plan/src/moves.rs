@@ -7,7 +7,7 @@
 use crate::cell::{Obstacle, Planner};
 use crate::course::{Effort, PathPiece, PathPlace, PathRefusal, Plan, Run, plan};
 use crate::draft::{Draft, Fine, leave_room, shortest_s};
-use crate::fit::{EXCESS_OF_FIT, MARGIN};
+use crate::fit::MARGIN;
 use crate::jerk;
 use trirrr_core::model::Model;
 use trirrr_core::setpoint::{Ends, Quintics, Segment};
@@ -83,6 +83,8 @@ impl PlannedMoves {
     }
 }
 
+/// Excess of a limit above which moves are cut before the pace is lowered.
+const EXCESS_OF_FIT: f64 = 0.003;
 /// Rounds of planning, judging and mending.
 const ROUNDS: u32 = 60;
 
