@@ -133,12 +133,15 @@ const ROUNDINGS: u32 = 16;
 /// Sine of the angle between two tangents above which the path has a corner, beside some roundings of its numbers.
 const CORNER: f64 = 1e-9;
 
+/// Turn by rounding above which nobody knows how much of a turn that is, rad.
+const UNKNOWN: f64 = 0.1;
+
 /// Place where the motion goes on from a piece to the next.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PieceJoint<N> {
     /// x = (dp/dt)^2 at the start of the piece after over that at the end of the piece before.
     pub(crate) scale: N,
-    /// Size of the change of the direction, as far as it is known: rounding turns a short piece.
+    /// Size of the change of the direction that may be one of the path: rounding turns a short piece.
     pub(crate) turn: N,
 }
 
@@ -161,11 +164,20 @@ impl<N: Number> PieceJoint<N> {
         } else {
             length_b
         };
-        let corner = N::from_f64(CORNER) + (N::UNIT_ROUNDOFF * N::from_f64(16.0)).div(shorter);
+        let rounding = N::UNIT_ROUNDOFF.div(shorter);
+        let corner = N::from_f64(CORNER) + rounding * N::from_f64(16.0);
         let turn = length(turned);
+        // Within half a metre of the base the places of two pieces round the turn by one and a half. Where rounding may turn by much,
+        // all of the turn may be one of the path.
+        let rounded = rounding + rounding;
+        let of_path = match (rounded < N::from_f64(UNKNOWN), turn > rounded) {
+            (false, _) => turn,
+            (true, true) => turn - rounded,
+            (true, false) => N::ZERO,
+        };
         (turn <= corner).then_some(Self {
             scale: scale * scale,
-            turn,
+            turn: of_path,
         })
     }
 }

@@ -30,8 +30,6 @@ const NEXT_TO_STOP: [f64; 2] = [0.02, 0.3];
 const BLUR: f64 = 0.01;
 /// Shortest cell, in p.
 const SHORTEST: f64 = 1.0 / 4096.0;
-/// Turn between two pieces that the moves smooth without slowing down, rad.
-const UNSEEN_TURN: f64 = 0.1;
 /// Part of the greatest acceleration by which a turn may add to it.
 const TURNING: f64 = 0.015;
 /// Factor by which a cell may be longer than the one before.
@@ -431,11 +429,11 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
     }
 }
 
-/// Greatest x at the start of a piece with about the greatest acceleration `rate`. A turn at its joint is one of the path, or of its
-/// rounding: such a piece is so short that nobody knows. The motion turns between two samples, `step` apart, by a part of `rate`.
+/// Greatest x at the start of a piece with about the greatest acceleration `rate`. The motion takes the turn at its joint on the length of
+/// the piece, and between two samples, `step` apart, by a part of `rate`.
 fn most_at<B: Number>(joint: &PieceJoint<B>, rate: B, step: B) -> B {
     let PieceJoint { scale, turn } = *joint;
-    if turn <= B::from_f64(UNSEEN_TURN) {
+    if !(turn > B::ZERO) {
         return unbounded();
     }
     // In parts of the piece: the shorter of the two.

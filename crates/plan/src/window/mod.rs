@@ -241,10 +241,10 @@ impl<N: Enclose, T: Copy + PartialEq, const PIECES: usize, const CELLS: usize>
             tag,
             number,
         } = piece;
+        let piece = self.straightened(piece);
         if !piece.has_length() {
             return self.refusal.is_empty() && self.room() > 0;
         }
-        let piece = self.straightened(piece);
         let entry = HeldPiece {
             piece,
             feed,
