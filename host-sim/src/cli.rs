@@ -1,35 +1,72 @@
 //! The command line.
 
-use crate::assemble::AssembleArgs;
 use crate::bridge::BridgeArgs;
-use crate::calibrate::CalibrateArgs;
 use crate::check::CheckArgs;
-use crate::completions::CompletionsArgs;
-use crate::design::DesignArgs;
 use crate::device::DeviceArgs;
-use crate::eval::EvalArgs;
-use crate::export::ExportArgs;
 use crate::goals::{FollowArgs, GotoArgs, JogArgs, ParkArgs};
 use crate::grbl::GrblArgs;
-use crate::identify::IdentifyArgs;
 use crate::init::InitArgs;
-use crate::install::InstallArgs;
 use crate::key::KeyArgs;
-use crate::linkage::LinkageArgs;
 use crate::machine::{DisableArgs, DrivesArgs, EnableArgs, OutputArgs, ProbeArgs, ToolArgs};
 use crate::plan::PlanArgs;
-use crate::report::ReportArgs;
 use crate::run::RunArgs;
 use crate::stream::StreamArgs;
-use crate::ui::UiArgs;
-use crate::update::UpdateArgs;
 use crate::watch::WatchArgs;
 use clap::builder::ValueParser;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::any::TypeId;
 use std::ffi::OsString;
 use std::path::PathBuf;
-use trirrr_client::transport::Address;
+use trirrr_line::Address;
+
+/// Arguments of the commands that `trirrr-full` has.
+#[cfg(feature = "full")]
+mod of_full {
+    pub(super) use crate::assemble::AssembleArgs;
+    pub(super) use crate::calibrate::CalibrateArgs;
+    pub(super) use crate::completions::CompletionsArgs;
+    pub(super) use crate::design::DesignArgs;
+    pub(super) use crate::eval::EvalArgs;
+    pub(super) use crate::export::ExportArgs;
+    pub(super) use crate::identify::IdentifyArgs;
+    pub(super) use crate::install::InstallArgs;
+    pub(super) use crate::linkage::LinkageArgs;
+    pub(super) use crate::report::ReportArgs;
+    pub(super) use crate::ui::UiArgs;
+    pub(super) use crate::update::UpdateArgs;
+}
+
+/// In their place, words that are not looked at.
+#[cfg(not(feature = "full"))]
+mod of_full {
+    use super::HandedOver;
+
+    pub(super) type AssembleArgs = HandedOver;
+    pub(super) type CalibrateArgs = HandedOver;
+    pub(super) type CompletionsArgs = HandedOver;
+    pub(super) type DesignArgs = HandedOver;
+    pub(super) type EvalArgs = HandedOver;
+    pub(super) type ExportArgs = HandedOver;
+    pub(super) type IdentifyArgs = HandedOver;
+    pub(super) type LinkageArgs = HandedOver;
+    pub(super) type ReportArgs = HandedOver;
+    pub(super) type UiArgs = HandedOver;
+    pub(super) type InstallArgs = HandedOver;
+    pub(super) type UpdateArgs = HandedOver;
+}
+
+use of_full::{
+    AssembleArgs, CalibrateArgs, CompletionsArgs, DesignArgs, EvalArgs, ExportArgs, IdentifyArgs,
+    InstallArgs, LinkageArgs, ReportArgs, UiArgs, UpdateArgs,
+};
+
+/// Arguments of a command that `trirrr-full` carries out.
+#[cfg(not(feature = "full"))]
+#[derive(Debug, clap::Args)]
+pub struct HandedOver {
+    #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
+    arguments: Vec<std::ffi::OsString>,
+}
 
 /// Simulator and host tools for the planar 3-RRR manipulator.
 ///
@@ -95,8 +132,6 @@ pub enum Command {
     Init(InitArgs),
     /// Check a scene or a job, and say what it asks for
     Check(CheckArgs),
-    /// Show a scene in a browser: drag the platform, edit, play the job
-    Ui(UiArgs),
     /// Play a board: a scene's service behind a TCP port, in real time
     Device(DeviceArgs),
     /// Put the line of a board behind a TCP port
@@ -119,12 +154,8 @@ pub enum Command {
     Tool(ToolArgs),
     /// Move a machine straight until its probe touches, and tell where that is
     Probe(ProbeArgs),
-    /// Replace the program of a board over its line
-    Update(UpdateArgs),
     /// Show the spare outputs and inputs of a machine, or switch an output
     Output(OutputArgs),
-    /// Bring a scene to a board over its line, without a new image
-    Install(InstallArgs),
     /// Move a machine to a pose, from rest or from any motion
     Goto(GotoArgs),
     /// Move a machine to the start of the scene's job, or to another pose, slowly
@@ -133,25 +164,51 @@ pub enum Command {
     Jog(JogArgs),
     /// Send a machine to poses as they come, from standard input or a file
     Follow(FollowArgs),
-    /// Answer design questions: working modes, workspace, ratios, forces in joints, as a report
-    Design(DesignArgs),
-    /// Find every pose for given motor angles, and all motor angles for a pose
-    Assemble(AssembleArgs),
-    /// Calibrate a machine from measured poses or distances; propose what to measure next
-    Calibrate(CalibrateArgs),
-    /// Identify masses, inertias and friction of a machine from its angles and torques
-    Identify(IdentifyArgs),
-    /// Write a scene's machine for MuJoCo, Gazebo, Drake, Pinocchio: MJCF, SDF, URDF
-    Export(ExportArgs),
     /// Plan a scene's path: its least time, a proven lower bound, what limits where, figures
     Plan(PlanArgs),
+    /// What `trirrr-full` carries out.
+    #[command(flatten)]
+    Full(FullCommand),
+}
+
+/// Commands that only `trirrr-full` carries out.
+#[derive(Debug, Subcommand)]
+pub enum FullCommand {
+    /// Bring a scene to a board over its line, without a new image
+    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
+    Install(InstallArgs),
+    /// Replace the program of a board over its line
+    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
+    Update(UpdateArgs),
+    /// Show a scene in a browser: drag the platform, edit, play the job
+    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
+    Ui(UiArgs),
+    /// Answer design questions: working modes, workspace, ratios, forces in joints, as a report
+    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
+    Design(DesignArgs),
+    /// Find every pose for given motor angles, and all motor angles for a pose
+    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
+    Assemble(AssembleArgs),
+    /// Calibrate a machine from measured poses or distances; propose what to measure next
+    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
+    Calibrate(CalibrateArgs),
+    /// Identify masses, inertias and friction of a machine from its angles and torques
+    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
+    Identify(IdentifyArgs),
+    /// Write a scene's machine for MuJoCo, Gazebo, Drake, Pinocchio: MJCF, SDF, URDF
+    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
+    Export(ExportArgs),
     /// Evaluate a table of cases: a machine and a state or a move in each row
+    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
     Eval(EvalArgs),
     /// Solve a planar linkage over its motion: Assur groups, table, figures
+    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
     Linkage(LinkageArgs),
     /// Measure what the numbers are worth and what they cost: errors, run times, extremes
+    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
     Report(ReportArgs),
     /// Print a script by which a shell completes the command line
+    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
     Completions(CompletionsArgs),
 }
 
@@ -219,7 +276,7 @@ mod tests {
         };
         assert_eq!(run.scene, PathBuf::from(DEFAULT_SCENE));
         assert!(!run.fast && run.out.is_none() && run.scalar.is_none());
-        let Some(Command::Eval(eval)) =
+        let Some(Command::Full(FullCommand::Eval(eval))) =
             Cli::read_from(["trirrr", "eval", "a.csv"]).unwrap().command
         else {
             panic!("not eval");
@@ -237,7 +294,9 @@ mod tests {
         assert!(Cli::read_from(micromath).is_ok());
         assert!(Cli::read_from(["trirrr", "eval"]).is_err());
         let linkage = ["trirrr", "linkage", "a.toml"];
-        let Some(Command::Linkage(args)) = Cli::read_from(linkage).unwrap().command else {
+        let Some(Command::Full(FullCommand::Linkage(args))) =
+            Cli::read_from(linkage).unwrap().command
+        else {
             panic!("not linkage");
         };
         assert!(args.steps.is_none() && args.out.is_none());

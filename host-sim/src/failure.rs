@@ -21,6 +21,10 @@ pub enum CliError {
         /// The same in words, with the option that leads on.
         text: String,
     },
+    /// The command or the file is for `trirrr-full`. Nothing was done yet.
+    #[cfg(not(feature = "full"))]
+    #[error("{0} is part of trirrr-full")]
+    InFull(&'static str),
 }
 
 impl From<Unbuildable> for CliError {
@@ -35,6 +39,8 @@ impl CliError {
         match self {
             CliError::Refused(_) | CliError::OtherNumbers { .. } => 2,
             CliError::Failed(_) => 1,
+            #[cfg(not(feature = "full"))]
+            CliError::InFull(_) => 1,
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::failure::CliError;
 use crate::terminal::print;
 use clap::Args;
 use std::path::PathBuf;
-use trirrr_client::transport::{KeyError, SharedKey};
+use trirrr_line::{KeyError, SharedKey};
 
 /// `trirrr key`.
 ///

@@ -11,38 +11,54 @@
 //! [`report`] measures errors and run times. All text that any of them says goes through [`terminal`].
 
 #![forbid(unsafe_code)]
+// Commands of `trirrr-full` alone use some of what is here.
+#![cfg_attr(not(feature = "full"), allow(dead_code, unused_imports))]
 
 mod arguments;
+#[cfg(feature = "full")]
 pub mod assemble;
 pub mod bridge;
+#[cfg(feature = "full")]
 pub mod calibrate;
 pub mod check;
 pub mod cli;
+#[cfg(feature = "full")]
 pub mod completions;
+#[cfg(feature = "full")]
 pub mod design;
 pub mod device;
+#[cfg(feature = "full")]
 pub mod eval;
+#[cfg(feature = "full")]
 pub mod export;
 pub mod failure;
 pub mod figures;
 pub mod goals;
 pub mod grbl;
+#[cfg(not(feature = "full"))]
+mod handover;
 pub mod histogram;
+#[cfg(feature = "full")]
 pub mod identify;
 pub mod init;
+#[cfg(feature = "full")]
 pub mod install;
 pub mod job_file;
 pub mod key;
 pub mod lagrange;
+#[cfg(feature = "full")]
 pub mod linkage;
 pub mod machine;
 mod numbers;
+#[cfg(feature = "full")]
 mod patched_scene;
 pub mod pictures;
 pub mod plan;
+pub mod program;
 pub mod realtime;
 pub mod recording;
 pub mod redundant;
+#[cfg(feature = "full")]
 pub mod report;
 pub mod results;
 pub mod run;
@@ -50,6 +66,8 @@ pub mod serve;
 pub mod stream;
 mod supply;
 pub mod terminal;
+#[cfg(feature = "full")]
 pub mod ui;
+#[cfg(feature = "full")]
 pub mod update;
 pub mod watch;

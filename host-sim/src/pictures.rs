@@ -1,5 +1,6 @@
 //! Figures as PNG beside those as SVG, for every command that writes figures.
 
+use crate::failure::CliError;
 use clap::Args;
 
 /// Choice of pictures.
@@ -8,4 +9,18 @@ pub struct PictureArgs {
     /// Write each figure as PNG, too, for programs that read no SVG
     #[arg(long)]
     pub png: bool,
+}
+
+impl PictureArgs {
+    /// Looks whether this program draws what is asked for.
+    ///
+    /// # Errors
+    /// In `trirrr-full`: pictures.
+    pub(crate) fn require(self) -> Result<(), CliError> {
+        match self.png {
+            #[cfg(not(feature = "full"))]
+            true => Err(CliError::InFull("--png")),
+            _ => Ok(()),
+        }
+    }
 }

@@ -59,6 +59,7 @@ const FILES: [&str; 4] = ["plan.csv", "moves.csv", "levels.csv", "plan.svg"];
 /// # Errors
 /// Refused: the scene, or it has no path. Failed: a file cannot be written.
 pub fn command(args: &PlanArgs) -> Result<(), CliError> {
+    args.pictures.require()?;
     let job = job_file::load(&args.scene, &args.job, LongMoves::InMemory)?;
     job.warn_of_pauses();
     let LoadedJob { scene, .. } = job;

@@ -116,11 +116,16 @@ fn stages() -> Result<Vec<Stage>> {
     Ok(stages)
 }
 
-fn lints() -> Result<[Step; 3]> {
+fn lints() -> Result<[Step; 4]> {
     let all = ["--quiet", "--all-targets", "--", "-Dwarnings"];
     Ok([
         Step::cargo("format", &["fmt", "--all", "--check"]),
         Step::on_host("lints of the host crates", "clippy", &all),
+        // Without the commands that it hands over.
+        Step::cargo(
+            "lints of the main job",
+            &["clippy", "--quiet", "--bin", "trirrr", "--", "-Dwarnings"],
+        ),
         Step::chore("the shape of the source", &["house", "--check"])?,
     ])
 }
@@ -290,7 +295,7 @@ fn figures() -> Result<[Step; 4]> {
 }
 
 /// The host programs, alone and with an emulated board.
-fn programs() -> Result<[Step; 7]> {
+fn programs() -> Result<[Step; 8]> {
     let simulator = |name: &str, arguments: &[&str], out: &str| -> Result<Step> {
         let mut command = Command::new(Programs::built().trirrr);
         command.current_dir(root()).args(arguments).arg("--out");
@@ -306,6 +311,7 @@ fn programs() -> Result<[Step; 7]> {
         Step::chore("the page", &["page"])?,
         Step::chore("the emulated board", &board)?,
         Step::new("the host programs", Programs::builder()),
+        Step::chore("the weight of the main job", &["weight"])?,
         simulator("a scene run", &run, "thesis")?,
         simulator("a batch evaluation", &eval, "extreme.csv")?,
     ])

@@ -34,6 +34,7 @@ mod size;
 mod steps;
 mod symbols;
 mod table;
+mod weight;
 
 use clap::{Parser, Subcommand};
 
@@ -82,10 +83,12 @@ enum Chore {
     House(house::HouseArgs),
     /// Print how deep the stack of an image gets, and on which ways
     Stack(callgraph::StackArgs),
+    /// Check what the main job compiles, holds, and hands over
+    Weight(weight::WeightArgs),
     /// Everything that CI checks
     Ci,
     /// Checks that take longer than CI may: dependencies, long fuzzing, many random moves
-    Nightly,
+    Nightly(nightly::NightlyArgs),
 }
 
 fn main() -> anyhow::Result<()> {
@@ -108,7 +111,8 @@ fn main() -> anyhow::Result<()> {
         Chore::Fuzz(arguments) => fuzz::run(&arguments),
         Chore::House(arguments) => house::run(&arguments),
         Chore::Stack(arguments) => callgraph::run(&arguments),
+        Chore::Weight(arguments) => weight::run(&arguments),
         Chore::Ci => ci::run(),
-        Chore::Nightly => nightly::run(),
+        Chore::Nightly(arguments) => nightly::run(&arguments),
     }
 }

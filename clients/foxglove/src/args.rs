@@ -3,7 +3,7 @@
 use clap::Parser;
 use foxglove::McapWriteOptions;
 use std::path::{Path, PathBuf};
-use trirrr_client::transport::listening;
+use trirrr_line::listening;
 
 /// Watches a machine by the port for watchers of `trirrr device` or `trirrr bridge`, or reads ticks.csv of `trirrr run`, and gives its
 /// values to Foxglove and to a file.

@@ -8,9 +8,7 @@ use std::time::{Duration, SystemTime};
 use trirrr_client::describe::{self, Units};
 use trirrr_client::drive_records::DriveSamples;
 use trirrr_client::records::Samples;
-use trirrr_client::transport::{
-    self, Address, Frames, KeyRefusal, Link, OpenError, RawMessage, SharedKey,
-};
+use trirrr_line::{Address, Frames, KeyRefusal, Link, OpenError, RawMessage, SharedKey};
 use trirrr_protocol::message::{Event, Message, Reply, Telemetry, TelemetryFields};
 use trirrr_scene::{Scene, in_number_type, pipeline, units};
 use trirrr_service::ServiceNumber;
@@ -52,7 +50,7 @@ struct WatchedLine {
 
 impl WatchedLine {
     fn open(&self) -> Result<Box<dyn Link>, OpenError> {
-        transport::open_watched(&self.address, self.key.as_ref())
+        trirrr_line::open_watched(&self.address, self.key.as_ref())
     }
 }
 

@@ -6,7 +6,7 @@ use clap::Parser;
 use serde::Deserialize;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use trirrr_client::transport::Address;
+use trirrr_line::Address;
 
 /// Most machines of one program.
 const MOST_MACHINES: u32 = 1000;

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use trirrr_client::local::{self, HostNumber};
-use trirrr_client::transport::{SharedKey, entropy};
+use trirrr_line::{SharedKey, entropy};
 use trirrr_scene::{Scene, in_number_type};
 use zenoh::Session;
 
@@ -122,7 +122,7 @@ fn carry(
 fn play<N: HostNumber>(
     args: &FleetArgs,
     setup: MachineSetup,
-    port: Option<trirrr_client::transport::Address>,
+    port: Option<trirrr_line::Address>,
     key: Option<SharedKey>,
     zenoh: &Session,
     keys: &MachineKeys,

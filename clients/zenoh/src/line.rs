@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::io;
 use std::time::{Duration, Instant};
 use trirrr_client::local::LocalService;
-use trirrr_client::transport::{Address, Frames, Link, OpenError, SharedKey, open_link};
+use trirrr_line::{Address, Frames, Link, OpenError, SharedKey, open_link};
 use trirrr_protocol::message::{Message, Request, Transmit};
 use trirrr_service::{InterlockReadings, ServiceNumber};
 

@@ -10,7 +10,7 @@ use crate::parameter::{DEVICE, KinematicVector, PARAMETER_COUNT, ParameterGroup}
 use crate::refusal::{CalibrationRefusal, MOST_LEFT};
 use crate::result::{Calibration, JudgedRow};
 use crate::setup::CalibrationSetup;
-use nalgebra_dense::DMatrix;
+use nalgebra::DMatrix;
 use trirrr_core::machine::Parameters;
 
 /// Each so many rows one is kept out of the fit that is checked.

@@ -7,7 +7,7 @@ use crate::measurement::{DeviceReading, MeasuredRow};
 use crate::parameter::{KinematicVector, PARAMETER_COUNT, parameter_name};
 use crate::setup::CalibrationSetup;
 use crate::sight::{Sight, columns_of, in_words};
-use nalgebra_dense::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 /// Slopes of all values, in standard deviations, by the free parameters, in expected deviations.
 pub(crate) fn scaled_slopes(

@@ -4,8 +4,8 @@ use crate::closure::{LoopClosure, close};
 use crate::measurement::MeasuredRow;
 use crate::parameter::{KinematicVector, PARAMETER_COUNT};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt};
-use nalgebra_dense::storage::Owned;
-use nalgebra_dense::{DMatrix, DVector, Dyn};
+use nalgebra::storage::Owned;
+use nalgebra::{DMatrix, DVector, Dyn};
 
 /// Residual of a trial whose loops do not close: such a step is never taken.
 const NO_MOTION: f64 = 1e8;

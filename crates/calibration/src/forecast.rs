@@ -4,7 +4,7 @@ use crate::closure::close;
 use crate::first_poses::NominalMachine;
 use crate::measurement::{seen_at, seen_with_slopes};
 use crate::parameter::KinematicVector;
-use nalgebra_dense::DMatrix;
+use nalgebra::DMatrix;
 
 /// Error of D, and of the angle, over places.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -65,7 +65,7 @@ pub(crate) fn deviation(
 ) -> [f64; 2] {
     let slopes = seen_with_slopes(values, angles, pose).slopes;
     let variance = |row: usize| {
-        let slope = nalgebra_dense::DVector::from_row_slice(&slopes[row]);
+        let slope = nalgebra::DVector::from_row_slice(&slopes[row]);
         (covariance * &slope).dot(&slope).max(0.0)
     };
     [(variance(0) + variance(1)).sqrt(), variance(2).sqrt()]

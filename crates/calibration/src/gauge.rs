@@ -2,7 +2,7 @@
 
 use crate::closure::turned;
 use crate::parameter::{DEVICE, KinematicVector, PARAMETER_COUNT, PER_LEG, TARGET, parameter_name};
-use nalgebra_dense::DVector;
+use nalgebra::DVector;
 
 type KinematicDirection = [f64; PARAMETER_COUNT];
 

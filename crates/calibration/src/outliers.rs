@@ -8,7 +8,7 @@ use crate::parameter::{KinematicVector, PARAMETER_COUNT};
 use crate::refusal::CalibrationRefusal;
 use crate::setup::CalibrationSetup;
 use crate::sight::columns_of;
-use nalgebra_dense::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 /// Values beyond the directions that are seen: without them nothing is left to judge the fit by.
 const SPARE_VALUES: usize = 3;

@@ -12,7 +12,7 @@ use crate::measurement::{DeviceReading, MOST_VALUES, MeasuredRow, MeasurementNoi
 use crate::parameter::{KinematicVector, PARAMETER_COUNT};
 use crate::result::Calibration;
 use crate::setup::CalibrationSetup;
-use nalgebra_dense::DMatrix;
+use nalgebra::DMatrix;
 use trirrr_core::machine::Parameters;
 
 /// Rounds of exchanges.

@@ -5,7 +5,7 @@ use crate::forecast::{PoseError, uncalibrated};
 use crate::measurement::{DeviceReading, MeasuredRow};
 use crate::parameter::{KinematicVector, PARAMETER_COUNT};
 use crate::sight::LEAST_RATIO;
-use nalgebra_dense::DMatrix;
+use nalgebra::DMatrix;
 use trirrr_core::machine::Parameters;
 
 /// Row of a table, judged.

@@ -4,7 +4,7 @@
 //! value is a ratio of signal to noise: along its direction an expected deviation changes the measurements by so many standard
 //! deviations. Below 1 the measurements know less than is expected anyway.
 
-use nalgebra_dense::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 /// Least ratio of signal to noise of a direction that is seen.
 pub(crate) const LEAST_RATIO: f64 = 1.0;

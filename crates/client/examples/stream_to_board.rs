@@ -9,8 +9,8 @@
 use std::env;
 use std::error::Error;
 use std::time::{Duration, Instant};
-use trirrr_client::transport::{self, Address, Frames};
 use trirrr_client::{Action, JobClient, Patience, local};
+use trirrr_line::{Address, Frames};
 use trirrr_protocol::message::Message;
 use trirrr_scene::{Scene, offer};
 
@@ -27,7 +27,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let hello = local::hello::<f64>(&scene);
 
     let address: Address = port.parse()?;
-    let mut link = transport::open(&address, BAUD)?;
+    let mut link = trirrr_line::open(&address, BAUD)?;
     let mut frames = Frames::default();
     // One telemetry sample every 10 ticks; the number tells this conversation from an earlier one.
     let conversation = std::process::id();

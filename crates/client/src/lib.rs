@@ -8,13 +8,12 @@
 //! port ────> receive(message, now)
 //! ```
 //! [`exchange`] keeps requests and answers in step; [`JobClient`] plays a job through it, [`GoalClient`] sends the machine to goals,
-//! [`ManualClient`] sends the commands of a person and nothing else. [`transport`] carries frames over a serial port or TCP. [`local`] is a machine in the same program, and [`runner`] plays a job on it.
+//! [`ManualClient`] sends the commands of a person and nothing else. `trirrr_line` carries their messages. [`local`] is a machine in the same program, and [`runner`] plays a job on it.
 //! [`UpdateClient`] replaces the program of a board. [`JobRest`] is the rest of a job that was left on its way.
 //! `trirrr_scene::offer` turns a scene's job into moves, [`records`] turns telemetry into records,
 //! [`drive_records`] puts what the drives do beside, and [`describe`] says in words and SI units what a machine reports.
 //!
-//! The feature `transport`, on by default, brings serial ports, TCP and shared keys. Without it the crate takes no operating system: a
-//! page in a browser runs the same clients.
+//! The crate takes no operating system: a page in a browser runs the same clients.
 // The example of the README is a test.
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
 #![forbid(unsafe_code)]
@@ -34,7 +33,6 @@ pub mod records;
 mod resume;
 pub mod runner;
 mod scene_image;
-pub mod transport;
 mod update_client;
 mod user_commands;
 

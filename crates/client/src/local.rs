@@ -2,6 +2,7 @@
 //! run time, the types of the service name the model at compile time.
 
 use core::marker::PhantomData;
+use std::time::{Duration, Instant};
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{Geometry, Parameters};
 use trirrr_core::model::{Model, ModelKind, ModelVisitor};
@@ -38,6 +39,9 @@ const SAMPLES: usize = 63 + 1;
 pub trait LocalService<N: ServiceNumber> {
     /// Computes one tick.
     fn tick(&mut self);
+
+    /// Computes one tick. Returns its duration, which holds nothing of the caller.
+    fn timed_tick(&mut self) -> Duration;
 
     /// Returns the state of the machine.
     fn state(&self) -> State;
@@ -356,6 +360,12 @@ where
 {
     fn tick(&mut self) {
         Service::tick(self);
+    }
+
+    fn timed_tick(&mut self) -> Duration {
+        let begin = Instant::now();
+        Service::tick(self);
+        begin.elapsed()
     }
 
     fn state(&self) -> State {

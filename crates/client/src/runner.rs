@@ -136,10 +136,10 @@ impl<'a, N: ServiceNumber> JobRunner<'a, N> {
         self.service.state()
     }
 
-    /// Computes one tick of the machine.
-    pub fn tick(&mut self) {
-        self.service.tick();
+    /// Computes one tick of the machine. Returns its duration.
+    pub fn tick(&mut self) -> Duration {
         self.now += self.period;
+        self.service.timed_tick()
     }
 
     /// Hands the events of the last tick to the client. Returns what the tick played, from the first

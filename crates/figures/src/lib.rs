@@ -7,7 +7,5 @@ pub mod labels;
 pub mod loglog;
 pub mod panel;
 pub mod plane;
-#[cfg(feature = "png")]
-pub mod png;
 pub mod scale;
 pub mod style;

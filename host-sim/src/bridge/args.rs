@@ -3,7 +3,7 @@
 use crate::serve::ListenArgs;
 use clap::Args;
 use std::path::PathBuf;
-use trirrr_client::transport::Address;
+use trirrr_line::Address;
 
 /// `trirrr bridge`.
 ///

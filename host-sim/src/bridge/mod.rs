@@ -11,7 +11,7 @@ use std::collections::VecDeque;
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use trirrr_client::transport::{Frames, Link, OpenError, RawMessage, SharedKey, open_link};
+use trirrr_line::{Frames, Link, OpenError, RawMessage, SharedKey, open_link};
 use trirrr_protocol::message::{Command, Message, Request};
 
 /// Time from one look at both sides to the next, while nothing comes.

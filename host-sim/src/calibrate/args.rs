@@ -8,7 +8,7 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 use trirrr_calibration::{CalibrationSetup, MeasurementNoise, ParameterGroup};
-use trirrr_client::transport::Address;
+use trirrr_line::Address;
 use trirrr_scene::NumberType;
 
 /// Readings that poses are proposed for.

@@ -7,8 +7,8 @@ use crate::serve::{FrameKind, Hub, Standing};
 use std::io;
 use std::time::Instant;
 use trirrr_client::local::LocalService;
-use trirrr_client::transport::Frames;
 use trirrr_drives::ObeyingDrives;
+use trirrr_line::Frames;
 use trirrr_protocol::message::{Command, Message, Reply, Request};
 use trirrr_service::ServiceNumber;
 

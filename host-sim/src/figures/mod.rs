@@ -2,11 +2,14 @@
 //! to scale with the path of its tool, and the animation as a page. `docs/figures.md` lists them.
 
 mod animation;
+#[cfg(feature = "full")]
 mod calibration;
 mod catalogue;
 mod coloured_path;
 mod drives;
+#[cfg(feature = "full")]
 mod geometry;
+#[cfg(feature = "full")]
 mod identification;
 mod machine;
 mod marks;
@@ -19,10 +22,14 @@ mod tolerances;
 mod traces;
 
 pub(crate) use animation::{Animation, escaped};
+#[cfg(feature = "full")]
 pub use calibration::CalibrationFigures;
 pub use drives::DriveTraces;
+#[cfg(feature = "full")]
 pub(crate) use geometry::draw as draw_geometry;
+#[cfg(feature = "full")]
 pub use identification::write_torques;
+#[cfg(feature = "full")]
 pub(crate) use machine::draw_pose;
 pub use marks::JobMarks;
 pub use plan::PlanTraces;

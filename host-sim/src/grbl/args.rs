@@ -3,7 +3,7 @@
 use crate::arguments::{DEFAULT_SCENE, SetArgs, number_type};
 use clap::Args;
 use std::path::PathBuf;
-use trirrr_client::transport::{Address, listening};
+use trirrr_line::{Address, listening};
 use trirrr_scene::NumberType;
 
 /// `trirrr grbl`.

@@ -3,6 +3,7 @@
 use super::distance;
 use crate::arguments::factor;
 use clap::Args;
+#[cfg(feature = "full")]
 use trirrr_toolpath::raster::Tones;
 
 /// Distance of rows, mm, where none is given.
@@ -70,6 +71,7 @@ impl ImageArgs {
     }
 
     /// Tones that are asked for.
+    #[cfg(feature = "full")]
     pub(super) fn tones(&self) -> Tones {
         Tones {
             count: self.levels.unwrap_or(256),

@@ -2,6 +2,7 @@
 
 mod args;
 mod drawing_args;
+#[cfg(feature = "full")]
 mod image;
 mod image_args;
 mod long;
@@ -142,6 +143,8 @@ fn load_for(
         Some(_) => LongMoves::InMemory,
         None => moves,
     };
+    // Before the machine is read, which warns.
+    read::require(file)?;
     let machine = args.set.scene_to_move(machine)?;
     let name = file.display();
     let refused = |refusal: JobRefusal| CliError::Refused(format!("{name}:{refusal}"));

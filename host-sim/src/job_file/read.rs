@@ -1,5 +1,6 @@
 //! Files of jobs, by their kinds: to the path of a job on a machine.
 
+#[cfg(feature = "full")]
 use super::image;
 use super::long::LongPath;
 use super::{JobFileArgs, LongMoves};
@@ -15,9 +16,12 @@ use trirrr_jobs::{
 use trirrr_scene::read::files::{self, LONGEST_TABLE};
 use trirrr_scene::{JobPath, NumberType, Scene};
 use trirrr_toolpath::PathFault;
-use trirrr_toolpath::drawing::{read_dxf, read_svg};
 use trirrr_toolpath::gcode;
-use trirrr_toolpath::raster::read_image;
+#[cfg(feature = "full")]
+use trirrr_toolpath::{
+    drawing::{Drawing, read_dxf, read_svg},
+    raster::read_image,
+};
 
 /// Pieces beyond which a path is long.
 const LONG_PIECES: usize = 8192;
@@ -60,9 +64,10 @@ pub(super) enum JobKind {
 }
 
 impl JobKind {
-    /// Kind of a file with this extension.
-    fn of(extension: &str) -> Self {
-        match extension {
+    /// Kind of `file`, by its extension.
+    fn of(file: &Path) -> Self {
+        let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
+        match extension.to_str().unwrap_or_default() {
             "svg" | "dxf" => Self::Drawing,
             "png" | "jpg" | "jpeg" | "bmp" => Self::Image,
             "csv" => Self::Table,
@@ -89,6 +94,18 @@ impl JobKind {
     }
 }
 
+/// Looks whether this program reads files as `file`.
+///
+/// # Errors
+/// In `trirrr-full`: drawings and images.
+pub(super) fn require(file: &Path) -> Result<(), CliError> {
+    match JobKind::of(file) {
+        #[cfg(not(feature = "full"))]
+        kind @ (JobKind::Drawing | JobKind::Image) => Err(CliError::InFull(kind.name())),
+        _ => Ok(()),
+    }
+}
+
 /// Reads the path of `file` for `machine`. A long one of G-code is only looked through where its `moves` may be in a file.
 ///
 /// # Errors
@@ -101,8 +118,7 @@ pub(super) fn read(
 ) -> Result<Result<ReadPath, PathFault>, CliError> {
     let name = file.display();
     let refused = |error: io::Error| CliError::Refused(format!("{name}: cannot be read: {error}"));
-    let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
-    let kind = JobKind::of(extension.to_str().unwrap_or_default());
+    let kind = JobKind::of(file);
     if let Some(argument) = kind.not_for_it(args) {
         let reason = format!(
             "{name}: {argument} is not for {}; leave it out",
@@ -110,8 +126,6 @@ pub(super) fn read(
         );
         return Err(CliError::Refused(reason));
     }
-    let bytes = || files::bytes_of(file, LONGEST_TABLE).map_err(refused);
-    let text = || files::text_in(file, LONGEST_TABLE).map_err(refused);
     let options = args.options();
     Ok(match kind {
         JobKind::Gcode => {
@@ -123,16 +137,23 @@ pub(super) fn read(
                 false => gcode_job(BufReader::new(open), machine, &options).map(ReadPath::from),
             }
         }
-        JobKind::Table => table_job(&text()?, machine, &options).map(ReadPath::from),
-        JobKind::Image => from_image(&bytes()?, machine, args).map(ReadPath::from),
+        JobKind::Table => {
+            let text = files::text_in(file, LONGEST_TABLE).map_err(refused)?;
+            table_job(&text, machine, &options).map(ReadPath::from)
+        }
+        #[cfg(feature = "full")]
+        JobKind::Image => {
+            let bytes = files::bytes_of(file, LONGEST_TABLE).map_err(refused)?;
+            from_image(&bytes, machine, args).map(ReadPath::from)
+        }
+        #[cfg(feature = "full")]
         JobKind::Drawing => {
-            let drawing = match extension == "dxf" {
-                true => read_dxf(&bytes()?, |layer| args.drawing.leaves_out(layer)),
-                false => read_svg(&text()?),
-            };
+            let drawing = drawing_of(file, args).map_err(refused)?;
             let job = drawing.and_then(|drawing| drawing_job(drawing, machine, &options));
             job.map(ReadPath::from)
         }
+        #[cfg(not(feature = "full"))]
+        JobKind::Image | JobKind::Drawing => return Err(CliError::InFull(kind.name())),
     })
 }
 
@@ -188,6 +209,20 @@ fn from_gcode(
     })
 }
 
+#[cfg(feature = "full")]
+fn drawing_of(file: &Path, args: &JobFileArgs) -> io::Result<Result<Drawing, PathFault>> {
+    let is_dxf = file
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("dxf"));
+    Ok(match is_dxf {
+        true => read_dxf(&files::bytes_of(file, LONGEST_TABLE)?, |layer| {
+            args.drawing.leaves_out(layer)
+        }),
+        false => read_svg(&files::text_in(file, LONGEST_TABLE)?),
+    })
+}
+
+#[cfg(feature = "full")]
 fn from_image(bytes: &[u8], machine: &Scene, args: &JobFileArgs) -> Result<ReadJob, PathFault> {
     let mut rows = image::rows(&read_image(bytes)?, machine, args)?;
     let elements = std::mem::take(&mut rows.elements);

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use trirrr_client::describe::{self, Units};
 use trirrr_client::exchange::{Exchange, Turn};
 use trirrr_client::local;
-use trirrr_client::transport::OtherClient;
+use trirrr_line::OtherClient;
 use trirrr_protocol::message::{Command, Message, Refusal, Reply, State, Status};
 use trirrr_scene::Scene;
 use trirrr_service::ServiceNumber;

@@ -6,6 +6,8 @@
 
 mod disk;
 mod named;
+#[cfg(feature = "full")]
+mod png;
 mod refusal;
 pub(crate) mod sealed;
 
@@ -14,6 +16,8 @@ pub(crate) use named::{refresh, replace, write_named};
 
 use crate::failure::CliError;
 use disk::ContentHash;
+#[cfg(feature = "full")]
+use png::drawn_pictures;
 use refusal::{OwnFiles, obstacle, refuse_obstacles};
 use sealed::{Sealed, hash_of, hex};
 use serde_json::{Value, json};
@@ -22,7 +26,6 @@ use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
 use trirrr_figures::canvas::Drawn;
-use trirrr_figures::png::png;
 
 /// Name of the file that says what the folder holds.
 const RESULT: &str = "result.json";
@@ -370,14 +373,10 @@ fn files_of(result: &Value) -> OwnFiles {
         .collect()
 }
 
-/// PNG of each figure, drawn on all cores.
-fn drawn_pictures(figures: &[(String, Vec<u8>)]) -> Vec<io::Result<Vec<u8>>> {
-    use rayon::prelude::*;
-    let draw = |(_, svg): &(String, Vec<u8>)| {
-        let svg = std::str::from_utf8(svg).map_err(io::Error::other)?;
-        png(svg).map_err(|error| io::Error::other(error.to_string()))
-    };
-    figures.par_iter().map(draw).collect()
+/// No picture: [`PictureArgs`](crate::pictures::PictureArgs) leave them to `trirrr-full`.
+#[cfg(not(feature = "full"))]
+fn drawn_pictures(_: &[(String, Vec<u8>)]) -> Vec<io::Result<Vec<u8>>> {
+    Vec::new()
 }
 
 impl Drop for ResultFolder {

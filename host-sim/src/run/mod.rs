@@ -153,6 +153,7 @@ impl RunReport {
 /// # Errors
 /// Refused: the scene, or its number type. Failed: something cannot be written.
 pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
+    args.pictures.require()?;
     if redundant::is_redundant(&args.scene, &args.job) {
         return redundant::run(args, stop);
     }

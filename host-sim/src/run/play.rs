@@ -108,9 +108,7 @@ pub(super) fn play<N: ServiceNumber>(
             {
                 break JobEnd::Stopped;
             }
-            let begin = Instant::now();
-            runner.tick();
-            computation.push(begin.elapsed());
+            computation.push(runner.tick());
             if let Some(pacer) = &mut pacer {
                 pacer.done(tick);
             }

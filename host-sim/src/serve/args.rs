@@ -5,7 +5,7 @@ use crate::terminal::say;
 use clap::Args;
 use std::net::{SocketAddr, ToSocketAddrs};
 use std::path::{Path, PathBuf};
-use trirrr_client::transport::{Listener, SharedKey, listening};
+use trirrr_line::{Listener, SharedKey, listening};
 
 /// Ports for a client and for watchers.
 #[derive(Args, Clone, Debug)]
@@ -115,8 +115,12 @@ impl ListenArgs {
 /// Reads the key in `file`. Warns if others can read it, too.
 ///
 /// # Errors
-/// Refused: there is no such file, or no key in it.
+/// Refused: there is no such file, or no key in it. In `trirrr-full`: a key at all.
 pub(crate) fn read_key(file: &Path) -> Result<SharedKey, CliError> {
+    #[cfg(not(feature = "full"))]
+    if file.exists() {
+        return Err(CliError::InFull("--key"));
+    }
     let key = SharedKey::read(file).map_err(|error| CliError::Refused(error.to_string()))?;
     if SharedKey::is_open_to_others(file) {
         let file = file.display();

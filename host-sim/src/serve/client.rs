@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use std::io;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
-use trirrr_client::transport::{Frames, ServedLink};
+use trirrr_line::{Frames, ServedLink};
 use trirrr_protocol::wire::FrameError;
 
 /// Bytes that may wait for a client. Beyond this it gets no samples, and its requests wait on the line: who does not read is not

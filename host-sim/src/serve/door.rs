@@ -3,7 +3,7 @@
 use std::io;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
-use trirrr_client::transport::{Listener, ServedLink};
+use trirrr_line::{Listener, ServedLink};
 
 /// Time in which somebody who comes has to show that he has the key, or a first request.
 pub(super) const GREETING: Duration = Duration::from_secs(5);

@@ -7,7 +7,7 @@ use std::collections::VecDeque;
 use std::io;
 use std::net::SocketAddr;
 use std::time::{Duration, Instant};
-use trirrr_client::transport::{Listener, ServedLink};
+use trirrr_line::{Listener, ServedLink};
 
 /// Most watchers at a time.
 const MOST: usize = 16;

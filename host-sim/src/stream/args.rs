@@ -4,7 +4,7 @@ use crate::arguments::{DEFAULT_SCENE, factor, number_type};
 use crate::job_file::JobFileArgs;
 use clap::Args;
 use std::path::PathBuf;
-use trirrr_client::transport::Address;
+use trirrr_line::Address;
 use trirrr_protocol::message::TelemetryFields;
 use trirrr_scene::NumberType;
 

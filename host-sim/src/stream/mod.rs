@@ -33,11 +33,11 @@ use summary::Account;
 use trirrr_client::describe::Units;
 use trirrr_client::local;
 use trirrr_client::records::Samples;
-use trirrr_client::transport::Address;
 use trirrr_client::{
     BegunJob, JobClient, JobFailure, JobMark, JobPlace, JobWork, Patience, UserCommand,
     switched_label,
 };
+use trirrr_line::Address;
 use trirrr_protocol::message::{DriveSample, Telemetry, TelemetryFields, Transmit};
 use trirrr_protocol::wire::frame_length;
 use trirrr_protocol::wire::schema::longest;

@@ -7,9 +7,7 @@ use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use trirrr_client::transport::{
-    Address, Frames, KeyRefusal, Link, OpenError, SharedKey, open_link,
-};
+use trirrr_line::{Address, Frames, KeyRefusal, Link, OpenError, SharedKey, open_link};
 use trirrr_protocol::message::{Message, Reply, Request, Transmit};
 
 /// From one attempt to open a port to the next.

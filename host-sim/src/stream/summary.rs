@@ -7,7 +7,7 @@ use crate::terminal::printed;
 use std::io::{self, Write};
 use std::path::Path;
 use trirrr_client::describe;
-use trirrr_client::transport::Address;
+use trirrr_line::Address;
 use trirrr_protocol::message::{Identity, Status, Transmit};
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use std::{env, thread};
-use trirrr_client::transport::Address;
+use trirrr_line::Address;
 use trirrr_scene::read::files::{LONGEST_TABLE, text_in};
 use trirrr_scene::read::{machine_file_of, machine_path, on_disk};
 use trirrr_scene::{Scene, SceneError};

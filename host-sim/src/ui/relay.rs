@@ -4,7 +4,7 @@ use std::io;
 use std::net::TcpStream;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use trirrr_client::transport::{Address, Link, SharedKey, open_link};
+use trirrr_line::{Address, Link, SharedKey, open_link};
 use tungstenite::protocol::frame::coding::CloseCode;
 use tungstenite::protocol::{CloseFrame, Role, WebSocketConfig};
 use tungstenite::{Error, Message, WebSocket};

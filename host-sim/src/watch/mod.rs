@@ -9,7 +9,7 @@ use std::io::{self, Write};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
-use trirrr_client::transport::{
+use trirrr_line::{
     Address, Frames, KeyRefusal, Link, OpenError, RawMessage, SharedKey, listening, open_watched,
 };
 use trirrr_scene::visible_lines;

@@ -3,8 +3,8 @@
 use serde_json::json;
 use std::time::{Duration, Instant};
 use trirrr_client::describe::{self, Units};
-use trirrr_client::transport::RawMessage;
 use trirrr_core::setpoint::Setpoint;
+use trirrr_line::RawMessage;
 use trirrr_protocol::message::{
     Acting, Event, Identity, InputStates, Message, Reply, State, Transmit,
 };

@@ -7,7 +7,7 @@ use std::process::{Child, Command, Output, Stdio};
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 use tempfile::TempDir;
-use trirrr_client::transport::{self, Frames, Link};
+use trirrr_line::{Frames, Link};
 use trirrr_protocol::message::{Command as Ask, Message, Reply, Request, Telemetry};
 
 /// Longer than anything takes on a machine that is busy with other things; a test that waits for
@@ -220,7 +220,7 @@ pub(crate) struct Asker {
 impl Asker {
     pub(crate) fn new(address: &str) -> Self {
         Self {
-            link: transport::open(&address.parse().unwrap(), 0).unwrap(),
+            link: trirrr_line::open(&address.parse().unwrap(), 0).unwrap(),
             frames: Frames::default(),
         }
     }

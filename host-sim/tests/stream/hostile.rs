@@ -7,7 +7,7 @@ use std::thread;
 use std::time::Duration;
 use tempfile::TempDir;
 use trirrr_client::local;
-use trirrr_client::transport::Frames;
+use trirrr_line::Frames;
 use trirrr_protocol::message::{Command, Hello, Reply, Request};
 use trirrr_scene::Scene;
 

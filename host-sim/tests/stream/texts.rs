@@ -4,7 +4,7 @@ use crate::common::{scene, stream, text, trirrr};
 use std::io::{Read, Write};
 use std::net::TcpListener;
 use trirrr_client::local;
-use trirrr_client::transport::Frames;
+use trirrr_line::Frames;
 use trirrr_protocol::message::{Command, Message, NAME_CAPACITY, Reply, Request, Start};
 use trirrr_scene::Scene;
 

@@ -8,8 +8,8 @@ use std::time::{Duration, Instant};
 use trirrr_bench::faulty_link::{FaultyLink, Random};
 use trirrr_bench::sent::Sent;
 use trirrr_client::local::HostNumber;
-use trirrr_client::transport::Frames;
 use trirrr_client::{Action, JobClient, JobFailure, JobWork, Patience, UserCommand};
+use trirrr_line::Frames;
 use trirrr_protocol::message::{Message, Reply, Telemetry, TelemetryFields};
 
 /// Longest look at the line while there is something else to do.

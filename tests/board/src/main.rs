@@ -22,7 +22,7 @@ use expected::{Expected, HomingInputs};
 use std::path::PathBuf;
 use std::time::Duration;
 use trirrr_client::local::HostNumber;
-use trirrr_client::transport::Address;
+use trirrr_line::Address;
 use trirrr_scene::{NumberType, Scene, in_number_type};
 
 #[derive(Parser)]

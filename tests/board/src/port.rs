@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, bail};
 use serde::Serialize;
 use std::time::{Duration, Instant};
-use trirrr_client::transport::{self, Address, Frames, Link};
+use trirrr_line::{Address, Frames, Link};
 use trirrr_protocol::message::{Command, Message, Reply, Request, Transmit};
 
 /// From one attempt to be heard to the next.
@@ -28,7 +28,7 @@ impl Port {
     pub(crate) fn open(address: &Address, baud: u32, patience: Duration) -> Result<Self> {
         let start = Instant::now();
         let link = loop {
-            match transport::open(address, baud) {
+            match trirrr_line::open(address, baud) {
                 Ok(link) => break link,
                 Err(error) if error.may_pass() && start.elapsed() < patience => {
                     std::thread::sleep(ATTEMPTS_EVERY);

@@ -4,8 +4,8 @@ use crate::cpu::Board;
 use crate::time::{MS, SECOND, Time, seconds};
 use anyhow::{Result, anyhow, bail};
 use std::time::Duration;
-use trirrr_client::transport::Frames;
 use trirrr_client::{Action, JobClient, Patience, UserCommand};
+use trirrr_line::Frames;
 use trirrr_protocol::message::{Message, Request, Telemetry, TelemetryFields};
 use trirrr_scene::Scene;
 

@@ -4,12 +4,12 @@ use crate::scene::TalkScene;
 use crate::{BoardCommand, BoardView};
 use std::time::Duration;
 use trirrr_client::describe::{self, Units};
-use trirrr_client::transport::Frames;
 use trirrr_client::{
     Action, GoalAction, GoalClient, JobClient, JobWork, ManualAction, ManualClient, Patience,
     UserCommand,
 };
 use trirrr_core::setpoint::Pose;
+use trirrr_line::Frames;
 use trirrr_protocol::message::{
     Command, DriveSample, Event, Goal, Hello, Identity, Message, PROTOCOL, Recovery, Refusal,
     Request, State, Status, Telemetry, Transmit,

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 use trirrr_client::local::{self, HostNumber, LocalService};
-use trirrr_client::transport::Frames;
+use trirrr_line::Frames;
 use trirrr_protocol::message::{Message, Request, State};
 use trirrr_scene::{Scene, in_number_type};
 use trirrr_service::ServiceNumber;

@@ -8,7 +8,7 @@ use crate::keys;
 use crate::task::Task;
 use serde_json::json;
 use trirrr_client::exchange::Patience;
-use trirrr_client::transport::entropy;
+use trirrr_line::entropy;
 use trirrr_client::{GoalClient, JobClient, JobWork, describe};
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Acting, Command, Goal, Refusal, Reply, State, Status, Transmit};

@@ -24,7 +24,7 @@ use talk::LineEnd;
 use trirrr_client::describe::Units;
 use trirrr_client::exchange::{Exchange, Patience};
 use trirrr_client::local;
-use trirrr_client::transport::entropy;
+use trirrr_line::entropy;
 use trirrr_protocol::message::{Acting, Hello, Identity, State, Status, Telemetry, Transmit};
 use trirrr_scene::Scene;
 use trirrr_service::ServiceNumber;

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use trirrr_client::local::{self, LocalService};
-use trirrr_client::transport::{Frames, Listener, ServedLink};
+use trirrr_line::{Frames, Listener, ServedLink};
 use trirrr_protocol::message::{Command, Message, Reply, Request};
 use trirrr_scene::Scene;
 

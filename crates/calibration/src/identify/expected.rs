@@ -2,7 +2,7 @@
 
 use super::bodies::{BODY_COUNT, FRICTION, PER_BODY_LEG, PLATFORM, READING, body_name};
 use super::equations::TorqueEquation;
-use nalgebra_dense::DVector;
+use nalgebra::DVector;
 use trirrr_core::machine::Parameters;
 
 /// Deviation that is expected of each parameter: half of what the scene has, and of a body without mass half of a tenth of the heaviest.

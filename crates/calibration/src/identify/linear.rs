@@ -4,7 +4,7 @@ use super::bodies::{BodyVector, body_name, is_positive};
 use super::equations::{BLOCKS, TorqueEquation};
 use super::expected::exchanges;
 use crate::sight::{Sight, columns_of, in_words};
-use nalgebra_dense::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 use trirrr_core::machine::Parameters;
 
 /// Equations that are linear in scaled free parameters.

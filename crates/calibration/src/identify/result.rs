@@ -4,7 +4,7 @@ use super::bodies::{BODY_COUNT, BodyGroup, BodyVector};
 use super::solve::{LEAST_EQUATIONS, LEAST_SAMPLES};
 use crate::columns::ColumnFault;
 use crate::sight::LEAST_RATIO;
-use nalgebra_dense::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 use std::fmt;
 
 /// Settings of an identification.

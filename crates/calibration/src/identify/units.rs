@@ -4,7 +4,7 @@ use super::bodies::{BODY_COUNT, BodyVector, FRICTION, PASSIVE};
 use super::equations::TorqueEquation;
 use super::linear::in_blocks;
 use super::result::TorqueFactor;
-use nalgebra_dense::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 /// Factor between torques and those of the scene from which on no guess of masses is that wrong.
 const WRONG: f64 = 10.0;

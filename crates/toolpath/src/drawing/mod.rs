@@ -11,12 +11,14 @@ mod hatch;
 mod join;
 mod order;
 mod stroke;
+#[cfg(feature = "svg")]
 mod svg;
 
 #[cfg(feature = "dxf")]
 pub use dxf::read_dxf;
 pub use flat::FlatDrawing;
 pub use stroke::{Stroke, StrokeCurve};
+#[cfg(feature = "svg")]
 pub use svg::read_svg;
 
 use crate::{Act, Element, ToolCurve, ToolMotion, ToolPlace, ToolWork};

@@ -10,9 +10,9 @@ use std::time::Duration;
 use trirrr_bench::faulty_link::{Fault, FaultyLink, Random};
 use trirrr_bench::job::random_job;
 use trirrr_bench::trajectory_checker::TrajectoryChecker;
-use trirrr_client::transport::Frames;
 use trirrr_client::{Action, JobClient, Patience};
 use trirrr_core::units::Units;
+use trirrr_line::Frames;
 use trirrr_protocol::message::{
     AnyMove, Message, Reply, Request, State, Telemetry, TelemetryFields,
 };

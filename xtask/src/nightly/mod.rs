@@ -1,4 +1,8 @@
-//! `cargo xtask nightly`: checks that take long and rarely fail, up to the first failure.
+//! `cargo xtask nightly`: checks that take long and rarely fail, in parts.
+//!
+//! Every part runs, whatever fails before it. A part that has passed on the same commit is left out: a night that was cut off goes on.
+
+mod record;
 
 use crate::bench::{UPDATED, choose_bench};
 use crate::boards::FIRMWARE_TARGET;
@@ -6,11 +10,59 @@ use crate::ci::with_oldest_toolchain;
 use crate::image::PROFILE;
 use crate::packages::{NIGHTLY_PACKAGES, Package};
 use crate::repository::{root, target_directory};
-use crate::steps::{self, Step};
-use anyhow::{Result, ensure};
+use crate::steps::Step;
+use anyhow::{Result, bail, ensure};
+use clap::Args;
+use record::Record;
 use std::process::Command;
 
-pub(crate) fn run() -> Result<()> {
+#[derive(Args)]
+pub(crate) struct NightlyArgs {
+    /// Run the parts alone whose names hold these words. May stand several times
+    #[arg(long, value_name = "WORDS")]
+    part: Vec<String>,
+    /// Print the parts, and how they ended last, and run none
+    #[arg(long)]
+    list: bool,
+    /// Run parts again that have passed on this commit
+    #[arg(long)]
+    again: bool,
+    /// Parts that run at a time
+    #[arg(long, default_value_t = 2)]
+    lanes: usize,
+}
+
+pub(crate) fn run(args: &NightlyArgs) -> Result<()> {
+    let mut steps = steps()?;
+    if !args.part.is_empty() {
+        steps.retain(|step| args.part.iter().any(|words| step.name.contains(words)));
+        ensure!(
+            !steps.is_empty(),
+            "no part has such a name; --list prints them"
+        );
+    }
+    let names: Vec<String> = steps.iter().map(|step| step.name.clone()).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    let mut record = Record::read()?;
+    if !args.list {
+        check_tools()?;
+        let commit = record::commit()?;
+        steps.retain(|step| args.again || !record.has_passed(&step.name, &commit));
+        record = record::run(steps, args.lanes.max(1), record, &commit)?;
+    }
+    print!("{}", record.table(&names));
+    let failed = record.not_passed(&names);
+    if !args.list && !failed.is_empty() {
+        bail!(
+            "not passed: {}; target/nightly has what they printed",
+            failed.join(", ")
+        );
+    }
+    Ok(())
+}
+
+/// Looks for the tools before any part.
+fn check_tools() -> Result<()> {
     let deny = Command::new("cargo-deny").arg("--version").output();
     ensure!(
         deny.is_ok_and(|output| output.status.success()),
@@ -23,7 +75,7 @@ pub(crate) fn run() -> Result<()> {
             .is_ok_and(|output| output.status.success()),
         "not installed: rustup toolchain install nightly --component miri rust-src"
     );
-    steps::run(steps()?)
+    Ok(())
 }
 
 /// Checks of `clients/zenoh`, a workspace of its own: its dependencies, its lints, and its tests with those that take long.
@@ -403,6 +455,7 @@ fn steps() -> Result<Vec<Step>> {
             &["--release", "--test", "soak", "--", "--ignored"],
         ),
     ];
+    steps.push(Step::chore("the first run", &["weight", "--first-run"])?);
     steps.extend(LINTED.map(lint_image));
     for package in NIGHTLY_PACKAGES {
         let lints = ["clippy", "--quiet", "-p", package, "--all-targets"];
@@ -443,4 +496,17 @@ fn steps() -> Result<Vec<Step>> {
     )?);
     steps.push(Step::chore("long fuzzing", &["fuzz", "--seconds", "600"])?);
     Ok(steps)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_part_has_a_name_of_its_own() {
+        let steps = steps().expect("cargo metadata");
+        let names: std::collections::BTreeSet<&str> =
+            steps.iter().map(|step| step.name.as_str()).collect();
+        assert_eq!(names.len(), steps.len());
+    }
 }

@@ -1,10 +1,10 @@
 //! TCP from the end of a machine: a port that waits for clients, and links that never wait.
 
-use super::SharedKey;
-use super::closed;
-use super::refusal::{KeyRefusal, OtherClient};
-use super::seal::{PLAIN, Seal, WITH_KEY};
-use super::tcp::{is_closed, is_for_want_of_time, taken};
+use crate::SharedKey;
+use crate::closed;
+use crate::refusal::{KeyRefusal, OtherClient};
+use crate::seal::{PLAIN, Seal, WITH_KEY};
+use crate::tcp::{is_closed, is_for_want_of_time, taken};
 use std::io::{self, Read, Write};
 use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 
@@ -237,8 +237,8 @@ fn refused(error: io::Error) -> io::Error {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Address, Link, OpenError, open, open_keyed, open_link};
     use super::*;
+    use crate::{Address, Link, OpenError, open, open_keyed, open_link};
     use std::thread;
     use std::time::Duration;
 

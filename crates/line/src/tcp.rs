@@ -1,6 +1,6 @@
 //! TCP, from the end of a client.
 
-use super::{Link, WRITE_TIMEOUT, closed};
+use crate::{Link, WRITE_TIMEOUT, closed};
 use std::io::{self, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
@@ -10,14 +10,14 @@ const CONNECT_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Open connection of a client.
 #[derive(Debug)]
-pub(super) struct TcpLink {
+pub(crate) struct TcpLink {
     stream: TcpStream,
     /// The read timeout that is set; setting it costs a system call.
     timeout: Option<Duration>,
 }
 
 /// Connects to `HOST:PORT`, to the first of the host's addresses that answers.
-pub(super) fn connect(address: &str) -> io::Result<TcpLink> {
+pub(crate) fn connect(address: &str) -> io::Result<TcpLink> {
     let mut last = io::Error::new(io::ErrorKind::NotFound, "the host has no address");
     for address in address.to_socket_addrs()? {
         match TcpStream::connect_timeout(&address, CONNECT_TIMEOUT) {
@@ -73,7 +73,7 @@ impl Link for TcpLink {
 }
 
 /// Converts the result of a read to that of [`Link::receive`].
-pub(super) fn taken(read: io::Result<usize>) -> io::Result<usize> {
+pub(crate) fn taken(read: io::Result<usize>) -> io::Result<usize> {
     match read {
         Ok(0) => Err(closed()),
         Err(error) if is_for_want_of_time(&error) => Ok(0),
@@ -84,7 +84,7 @@ pub(super) fn taken(read: io::Result<usize>) -> io::Result<usize> {
 
 /// Returns true if the far end closed the connection. A far end that has not read everything resets the
 /// connection.
-pub(super) fn is_closed(error: &io::Error) -> bool {
+pub(crate) fn is_closed(error: &io::Error) -> bool {
     matches!(
         error.kind(),
         io::ErrorKind::ConnectionReset
@@ -93,7 +93,7 @@ pub(super) fn is_closed(error: &io::Error) -> bool {
     )
 }
 
-pub(super) fn is_for_want_of_time(error: &io::Error) -> bool {
+pub(crate) fn is_for_want_of_time(error: &io::Error) -> bool {
     matches!(
         error.kind(),
         io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted

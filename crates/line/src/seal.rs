@@ -11,16 +11,10 @@
 //! A record has its length in front, two bytes, most significant first. It carries up to [`PLAIN`] bytes, sealed and counted: one that is
 //! changed, repeated or left out ends the link. Each link has new keys, which nobody can compute later from the shared one.
 
-use super::key::SharedKey;
-use super::refusal::{KeyRefusal, ends, told};
-use snow::{Builder, HandshakeState, TransportState};
+use crate::key::SharedKey;
+use crate::noise::{Handshake, Transport};
+use crate::refusal::{KeyRefusal, ends, told};
 use std::io;
-
-/// Patterns and functions of Noise.
-const PATTERN: &str = "Noise_NNpsk0_25519_ChaChaPoly_BLAKE2s";
-
-/// Both ends agree on this, too: another protocol with the same key is not understood.
-const PROLOGUE: &[u8] = b"trirrr 1";
 
 /// Bytes of a length.
 const PREFIX: usize = 2;
@@ -32,21 +26,21 @@ const GREETING: usize = 32 + TAG;
 const TAG: usize = 16;
 
 /// Most bytes in a record.
-pub(super) const PLAIN: usize = 4096;
+pub(crate) const PLAIN: usize = 4096;
 
 /// Most bytes of a record on the line.
 const RECORD: usize = PREFIX + PLAIN + TAG;
 
 /// First two bytes of a client with a key. No plain client begins so: its first frame, a hello, is shorter than its first block
 /// would be.
-pub(super) const WITH_KEY: [u8; PREFIX] = (GREETING as u16).to_be_bytes();
+pub(crate) const WITH_KEY: [u8; PREFIX] = (GREETING as u16).to_be_bytes();
 
 /// State of the conversation under the seal.
 enum Noise {
-    Greets(Box<HandshakeState>),
+    Greets(Box<Handshake>),
     /// The handshake is over. `heard`: a record of the far end was opened, so that it has the key.
     Sealed {
-        transport: Box<TransportState>,
+        transport: Box<Transport>,
         heard: bool,
     },
     /// The far end is refused.
@@ -54,7 +48,7 @@ enum Noise {
 }
 
 /// Seal of one link.
-pub(super) struct Seal {
+pub(crate) struct Seal {
     noise: Noise,
     is_client: bool,
     /// Bytes of the line that are not opened, at most those of a record.
@@ -71,14 +65,10 @@ impl Seal {
     ///
     /// # Errors
     /// The system has no random numbers.
-    pub(super) fn of_client(key: &SharedKey) -> io::Result<Self> {
-        let mut greets = builder(key)
-            .and_then(Builder::build_initiator)
-            .map_err(broken)?;
+    pub(crate) fn of_client(key: &SharedKey) -> io::Result<Self> {
+        let mut greets = Handshake::begin(key, true)?;
         let mut outgoing = Vec::new();
-        put_record(&mut outgoing, GREETING, |record| {
-            greets.write_message(&[], record)
-        })?;
+        put_record(&mut outgoing, GREETING, |record| greets.write(record))?;
         Ok(Self::new(greets, outgoing, true))
     }
 
@@ -86,14 +76,12 @@ impl Seal {
     ///
     /// # Errors
     /// As [`Self::of_client`].
-    pub(super) fn of_machine(key: &SharedKey) -> io::Result<Self> {
-        let greets = builder(key)
-            .and_then(Builder::build_responder)
-            .map_err(broken)?;
+    pub(crate) fn of_machine(key: &SharedKey) -> io::Result<Self> {
+        let greets = Handshake::begin(key, false)?;
         Ok(Self::new(greets, Vec::new(), false))
     }
 
-    fn new(greets: HandshakeState, outgoing: Vec<u8>, is_client: bool) -> Self {
+    fn new(greets: Handshake, outgoing: Vec<u8>, is_client: bool) -> Self {
         Self {
             noise: Noise::Greets(Box::new(greets)),
             is_client,
@@ -105,7 +93,7 @@ impl Seal {
     }
 
     /// Returns true once the far end has shown that it has the key.
-    pub(super) fn is_open(&self) -> bool {
+    pub(crate) fn is_open(&self) -> bool {
         match &self.noise {
             Noise::Sealed { heard, .. } => *heard || self.is_client,
             _ => false,
@@ -113,12 +101,12 @@ impl Seal {
     }
 
     /// Bytes of the line that [`take`](Self::take) has room for; at least one wherever no whole record waits.
-    pub(super) fn room(&self) -> usize {
+    pub(crate) fn room(&self) -> usize {
         RECORD.saturating_sub(self.incoming.len())
     }
 
     /// Takes bytes of the line.
-    pub(super) fn take(&mut self, bytes: &[u8]) {
+    pub(crate) fn take(&mut self, bytes: &[u8]) {
         self.incoming.extend_from_slice(bytes);
     }
 
@@ -126,7 +114,7 @@ impl Seal {
     ///
     /// # Errors
     /// [`KeyRefusal`], as the client or the machine finds it. What is to be sent before the end is in [`outgoing`](Self::outgoing).
-    pub(super) fn greet(&mut self) -> io::Result<()> {
+    pub(crate) fn greet(&mut self) -> io::Result<()> {
         let Noise::Greets(greets) = &mut self.noise else {
             return Ok(());
         };
@@ -144,9 +132,9 @@ impl Seal {
             _ if self.incoming.len() < PREFIX + GREETING => return Ok(()),
             _ => {
                 let greeting = &self.incoming[PREFIX..PREFIX + GREETING];
-                match greets.read_message(greeting, &mut []) {
-                    Ok(_) => return self.greeted(),
-                    Err(_) => KeyRefusal::Other,
+                match greets.read(greeting) {
+                    true => return self.greeted(),
+                    false => KeyRefusal::Other,
                 }
             }
         };
@@ -164,13 +152,10 @@ impl Seal {
             return Ok(());
         };
         if !self.is_client {
-            put_record(&mut self.outgoing, GREETING, |record| {
-                greets.write_message(&[], record)
-            })?;
+            put_record(&mut self.outgoing, GREETING, |record| greets.write(record))?;
         }
-        let transport = greets.into_transport_mode().map_err(broken)?;
         self.noise = Noise::Sealed {
-            transport: Box::new(transport),
+            transport: Box::new(greets.into_transport()?),
             heard: false,
         };
         if self.is_client {
@@ -184,7 +169,7 @@ impl Seal {
     ///
     /// # Errors
     /// A record that the far end has not sealed, or not in this place.
-    pub(super) fn open(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+    pub(crate) fn open(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         while self.taken == self.opened.len() {
             if !self.open_record()? {
                 return Ok(0);
@@ -214,9 +199,9 @@ impl Seal {
         };
         self.opened.resize(length - TAG, 0);
         self.taken = 0;
-        transport
-            .read_message(record, &mut self.opened)
-            .map_err(|_| damaged())?;
+        if !transport.read(record, &mut self.opened) {
+            return Err(damaged());
+        }
         *heard = true;
         self.incoming.drain(..PREFIX + length);
         Ok(true)
@@ -227,44 +212,39 @@ impl Seal {
     ///
     /// # Errors
     /// As many records as Noise can count were sent.
-    pub(super) fn seal(&mut self, bytes: &[u8]) -> io::Result<usize> {
+    pub(crate) fn seal(&mut self, bytes: &[u8]) -> io::Result<usize> {
         let Noise::Sealed { transport, .. } = &mut self.noise else {
             return Ok(0);
         };
         let bytes = &bytes[..bytes.len().min(PLAIN)];
         put_record(&mut self.outgoing, bytes.len() + TAG, |record| {
-            transport.write_message(bytes, record)
+            transport.write(bytes, record)
         })?;
         Ok(bytes.len())
     }
 
     /// Bytes to be sent.
-    pub(super) fn outgoing(&self) -> &[u8] {
+    pub(crate) fn outgoing(&self) -> &[u8] {
         &self.outgoing
     }
 
     /// Takes note that the first `length` bytes were sent.
-    pub(super) fn sent(&mut self, length: usize) {
+    pub(crate) fn sent(&mut self, length: usize) {
         self.outgoing.drain(..length);
     }
-}
-
-fn builder(key: &SharedKey) -> Result<Builder<'_>, snow::Error> {
-    let builder = Builder::new(PATTERN.parse()?);
-    builder.prologue(PROLOGUE)?.psk(0, key.bytes())
 }
 
 /// Appends a record of `length` bytes that `write` fills.
 fn put_record(
     outgoing: &mut Vec<u8>,
     length: usize,
-    write: impl FnOnce(&mut [u8]) -> Result<usize, snow::Error>,
+    write: impl FnOnce(&mut [u8]) -> io::Result<usize>,
 ) -> io::Result<()> {
     let start = outgoing.len();
     // A record is never longer than two bytes can say.
     outgoing.extend_from_slice(&(length as u16).to_be_bytes());
     outgoing.resize(start + PREFIX + length, 0);
-    let written = write(&mut outgoing[start + PREFIX..]).map_err(broken)?;
+    let written = write(&mut outgoing[start + PREFIX..])?;
     debug_assert_eq!(written, length);
     Ok(())
 }
@@ -272,11 +252,6 @@ fn put_record(
 /// Length in front of what the line has brought.
 fn prefix(bytes: &[u8]) -> Option<[u8; PREFIX]> {
     bytes.first_chunk().copied()
-}
-
-/// Error of a library that was asked for what it cannot do.
-fn broken(error: snow::Error) -> io::Error {
-    io::Error::other(format!("the key cannot be used: {error}"))
 }
 
 /// Error of a link on which somebody else has written.

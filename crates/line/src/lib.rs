@@ -3,38 +3,42 @@
 //! A [`Link`] carries bytes, and [`Frames`] finds the messages in them. Once a call has failed, the link
 //! is lost, and the owner opens a new one. A [`SharedKey`] seals a TCP link: who does not have it gets in nowhere, and reads nothing.
 //!
-//! Frames and addresses are there without the feature `transport`, too. All else takes an operating system.
+//! Frames and addresses are there without the feature `system`, too: a page in a browser uses them. All else takes an operating system, and
+//! a key takes the feature `keys`.
+#![forbid(unsafe_code)]
 
 mod address;
 mod frames;
-#[cfg(feature = "transport")]
+#[cfg(feature = "system")]
 mod key;
-#[cfg(feature = "transport")]
+#[cfg(feature = "system")]
 mod links;
+#[cfg(feature = "system")]
+mod noise;
 mod raw;
-#[cfg(feature = "transport")]
+#[cfg(feature = "system")]
 mod refusal;
-#[cfg(feature = "transport")]
+#[cfg(feature = "system")]
 mod seal;
-#[cfg(feature = "transport")]
+#[cfg(feature = "system")]
 mod sealed;
-#[cfg(feature = "transport")]
+#[cfg(feature = "system")]
 mod serial;
-#[cfg(feature = "transport")]
+#[cfg(feature = "system")]
 mod served;
-#[cfg(feature = "transport")]
+#[cfg(feature = "system")]
 mod tcp;
 
 pub use address::{Address, listening};
 pub use frames::Frames;
-#[cfg(feature = "transport")]
+#[cfg(feature = "system")]
 pub use key::{KeyError, SharedKey, entropy};
-#[cfg(feature = "transport")]
+#[cfg(feature = "system")]
 pub use links::{Link, OpenError, open, open_keyed, open_link, open_watched};
-#[cfg(feature = "transport")]
+#[cfg(feature = "system")]
 use links::{WRITE_TIMEOUT, closed};
 pub use raw::RawMessage;
-#[cfg(feature = "transport")]
+#[cfg(feature = "system")]
 pub use refusal::{KeyRefusal, OtherClient};
-#[cfg(feature = "transport")]
+#[cfg(feature = "system")]
 pub use served::{Listener, ServedLink};

@@ -3,23 +3,34 @@
 //! The texts of a figure become outlines of DejaVu Sans, whose glyphs are built in, and resvg draws the rest: every machine gives the same
 //! picture, whatever fonts it has.
 
+use rayon::prelude::*;
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::roxmltree::{Document, Node};
 use resvg::usvg::{Options, Tree};
 use std::fmt::Write;
+use std::io;
 use ttf_parser::{Face, GlyphId, OutlineBuilder};
 
 /// Pixels of the picture for one of the figure: sharp on paper, too.
 const SCALE: f32 = 2.0;
 
 /// Reason for which a figure is no picture.
-pub type NoPicture = Box<dyn std::error::Error + Send + Sync>;
+type NoPicture = Box<dyn std::error::Error + Send + Sync>;
 
-/// Draws the figure `svg`, which this crate made, as PNG.
+/// PNG of each figure, drawn on all cores.
+pub(super) fn drawn_pictures(figures: &[(String, Vec<u8>)]) -> Vec<io::Result<Vec<u8>>> {
+    let draw = |(_, svg): &(String, Vec<u8>)| {
+        let svg = std::str::from_utf8(svg).map_err(io::Error::other)?;
+        png(svg).map_err(|error| io::Error::other(error.to_string()))
+    };
+    figures.par_iter().map(draw).collect()
+}
+
+/// Draws the figure `svg`, which `trirrr_figures` made, as PNG.
 ///
 /// # Errors
 /// The text is no SVG, or has no size that a picture can have.
-pub fn png(svg: &str) -> Result<Vec<u8>, NoPicture> {
+fn png(svg: &str) -> Result<Vec<u8>, NoPicture> {
     let outlined = outlined(svg)?;
     let tree = Tree::from_str(&outlined, &Options::default())?;
     let size = tree.size();
@@ -164,8 +175,8 @@ impl OutlineBuilder for Outline {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::canvas::{BELOW, CENTRED, Size, page};
-    use crate::style::INK;
+    use trirrr_figures::canvas::{BELOW, CENTRED, Size, page};
+    use trirrr_figures::style::INK;
 
     /// Part of the pixels of a figure with one text that are not white.
     fn darkness(text: &str, size: Size) -> f64 {

@@ -1,12 +1,12 @@
 //! Links, opened by their address.
 
-use super::sealed::{PlainLink, SealedLink};
-use super::{Address, KeyRefusal, SharedKey, serial, tcp};
+use crate::sealed::{PlainLink, SealedLink};
+use crate::{Address, KeyRefusal, SharedKey, serial, tcp};
 use std::io;
 use std::time::Duration;
 
 /// Limit of a write: a far end that takes no byte for this long does not read.
-pub(super) const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
+pub(crate) const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Open link, used from one thread.
 pub trait Link: Send {
@@ -197,14 +197,14 @@ fn classify_serial(address: &Address, error: &serialport::Error) -> OpenError {
 }
 
 /// Returns the error of a link that the far end closed.
-pub(super) fn closed() -> io::Error {
+pub(crate) fn closed() -> io::Error {
     io::Error::new(io::ErrorKind::UnexpectedEof, "closed by the far end")
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::Listener;
     use super::*;
+    use crate::Listener;
 
     fn refusal(address: &str) -> OpenError {
         match open(&address.parse().unwrap(), 115_200) {

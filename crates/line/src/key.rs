@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use trirrr_scene::read::files::{LONGEST_MACHINE, text_in};
 
 /// Bytes of a key.
-pub(super) const KEY_BYTES: usize = 32;
+pub(crate) const KEY_BYTES: usize = 32;
 
 /// Key that both ends of a link share: 32 bytes, in a file 64 hexadecimal digits on one line.
 #[derive(Clone, PartialEq, Eq)]
@@ -123,7 +123,8 @@ impl SharedKey {
         self.0.iter().all(|byte| *byte == self.0[0])
     }
 
-    pub(super) fn bytes(&self) -> &[u8; KEY_BYTES] {
+    #[cfg(feature = "keys")]
+    pub(crate) fn bytes(&self) -> &[u8; KEY_BYTES] {
         &self.0
     }
 }

@@ -31,7 +31,7 @@ impl KeyRefusal {
     }
 
     /// Returns what a machine sends to say so.
-    pub(super) fn record(self) -> &'static [u8] {
+    pub(crate) fn record(self) -> &'static [u8] {
         self.words().unwrap_or_default()
     }
 
@@ -41,20 +41,20 @@ impl KeyRefusal {
     }
 
     /// Returns the refusal as the error of a link.
-    pub(super) fn error(self) -> io::Error {
+    pub(crate) fn error(self) -> io::Error {
         io::Error::new(io::ErrorKind::PermissionDenied, self)
     }
 }
 
 /// Returns the refusal whose words `matches` what was received.
-pub(super) fn told(received: &[u8], matches: impl Fn(&[u8], &[u8]) -> bool) -> Option<KeyRefusal> {
+pub(crate) fn told(received: &[u8], matches: impl Fn(&[u8], &[u8]) -> bool) -> Option<KeyRefusal> {
     let all = [KeyRefusal::Other, KeyRefusal::Needed, KeyRefusal::Unknown];
     all.into_iter()
         .find(|refusal| matches(refusal.record(), received))
 }
 
 /// Returns true if the words of a refusal are complete.
-pub(super) fn ends(received: &[u8]) -> bool {
+pub(crate) fn ends(received: &[u8]) -> bool {
     told(received, |words, received| words == received).is_some()
 }
 
@@ -67,7 +67,7 @@ pub struct OtherClient;
 
 impl OtherClient {
     /// Words that a machine sends to a client that it turns away, in place of an answer.
-    pub(super) const WORDS: &[u8] = b"\x00\x16trirrr: another client";
+    pub(crate) const WORDS: &[u8] = b"\x00\x16trirrr: another client";
 
     /// Returns true if `error` says so.
     pub fn is_in(error: &io::Error) -> bool {
@@ -81,7 +81,7 @@ impl OtherClient {
 
 /// Watches the first bytes of a far end for the words that it expects a key, or has another client.
 #[derive(Default)]
-pub(super) struct FirstBytes {
+pub(crate) struct FirstBytes {
     seen: Vec<u8>,
     is_over: bool,
 }
@@ -91,7 +91,7 @@ impl FirstBytes {
     ///
     /// # Errors
     /// The far end expects a key, or has another client.
-    pub(super) fn look(&mut self, bytes: &[u8]) -> io::Result<()> {
+    pub(crate) fn look(&mut self, bytes: &[u8]) -> io::Result<()> {
         let words = [KeyRefusal::Needed.record(), OtherClient::WORDS];
         if self.is_over {
             return Ok(());

@@ -1,17 +1,17 @@
 //! Serial ports.
 
-use super::{Link, WRITE_TIMEOUT, closed};
+use crate::{Link, WRITE_TIMEOUT, closed};
 use serialport::SerialPort;
 use std::io;
 use std::time::Duration;
 
 /// Open serial port, 8 data bits, no parity, 1 stop bit, no flow control.
-pub(super) struct SerialLink {
+pub(crate) struct SerialLink {
     port: Box<dyn SerialPort>,
 }
 
 /// Opens the port `path` for this process alone.
-pub(super) fn open(path: &str, baud: u32) -> serialport::Result<SerialLink> {
+pub(crate) fn open(path: &str, baud: u32) -> serialport::Result<SerialLink> {
     // A board behind USB sends to a program that is ready, and no system but Linux says so unasked.
     let port = serialport::new(path, baud)
         .timeout(WRITE_TIMEOUT)

@@ -1,9 +1,9 @@
 //! TCP links of a client, with a key and without.
 
-use super::refusal::FirstBytes;
-use super::seal::{PLAIN, Seal};
-use super::tcp::TcpLink;
-use super::{Link, SharedKey};
+use crate::refusal::FirstBytes;
+use crate::seal::{PLAIN, Seal};
+use crate::tcp::TcpLink;
+use crate::{Link, SharedKey};
 use std::io;
 use std::time::{Duration, Instant};
 
@@ -14,13 +14,13 @@ const GREETING_TIMEOUT: Duration = Duration::from_secs(5);
 const LAST: usize = 256;
 
 /// Connection without a key.
-pub(super) struct PlainLink {
+pub(crate) struct PlainLink {
     link: TcpLink,
     first: FirstBytes,
 }
 
 impl PlainLink {
-    pub(super) fn new(link: TcpLink) -> Self {
+    pub(crate) fn new(link: TcpLink) -> Self {
         Self {
             link,
             first: FirstBytes::default(),
@@ -42,7 +42,7 @@ impl Link for PlainLink {
 }
 
 /// Connection under a key.
-pub(super) struct SealedLink {
+pub(crate) struct SealedLink {
     link: TcpLink,
     seal: Seal,
     first: FirstBytes,
@@ -53,7 +53,7 @@ impl SealedLink {
     ///
     /// # Errors
     /// [`KeyRefusal`](super::KeyRefusal); [`io::ErrorKind::TimedOut`] if no answer comes; as [`Link`].
-    pub(super) fn greet(link: TcpLink, key: &SharedKey) -> io::Result<Self> {
+    pub(crate) fn greet(link: TcpLink, key: &SharedKey) -> io::Result<Self> {
         let seal = Seal::of_client(key)?;
         let first = FirstBytes::default();
         let mut link = Self { link, seal, first };

@@ -7,7 +7,7 @@ use trirrr_protocol::wire::schema::longest;
 use trirrr_protocol::wire::{Counters, Decoder, decoded_length, encode, frame_length};
 
 /// Most bytes of a message of either side: no number type takes more than binary64.
-pub(super) const MESSAGE_BYTES: usize = {
+pub(crate) const MESSAGE_BYTES: usize = {
     let (request, message) = (longest::<Request<f64>>(), longest::<Message<f64>>());
     if request > message { request } else { message }
 };

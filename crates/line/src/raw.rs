@@ -1,7 +1,7 @@
 //! Messages that are passed on and not read.
 
-use super::Frames;
-use super::frames::MESSAGE_BYTES;
+use crate::Frames;
+use crate::frames::MESSAGE_BYTES;
 use serde::de::{Deserialize, DeserializeOwned, Deserializer, SeqAccess, Visitor};
 use serde::ser::{Serialize, SerializeTuple, Serializer};
 use std::fmt;
