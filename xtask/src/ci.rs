@@ -311,7 +311,7 @@ fn programs() -> Result<[Step; 8]> {
         Step::chore("the page", &["page"])?,
         Step::chore("the emulated board", &board)?,
         Step::new("the host programs", Programs::builder()),
-        Step::chore("the weight of the main job", &["weight"])?,
+        Step::chore("services in the program", &["weight"])?,
         simulator("a scene run", &run, "thesis")?,
         simulator("a batch evaluation", &eval, "extreme.csv")?,
     ])

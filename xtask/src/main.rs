@@ -83,7 +83,7 @@ enum Chore {
     House(house::HouseArgs),
     /// Print how deep the stack of an image gets, and on which ways
     Stack(callgraph::StackArgs),
-    /// Check what the main job compiles, holds, and hands over
+    /// Count the services in the program; check what the main job compiles, holds, and hands over
     Weight(weight::WeightArgs),
     /// Everything that CI checks
     Ci,

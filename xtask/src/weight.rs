@@ -25,15 +25,22 @@ const PROGRAM: u64 = 30_000_000;
 #[derive(Args)]
 pub(crate) struct WeightArgs {
     /// Build the main job as on a fresh machine, in the release profile, and print what it costs
-    #[arg(long)]
+    #[arg(long, conflicts_with = "hand_over")]
     first_run: bool,
+    /// Build the program of the main job, and try what it hands over
+    #[arg(long)]
+    hand_over: bool,
 }
 
 pub(crate) fn run(args: &WeightArgs) -> Result<()> {
-    match args.first_run {
-        true => first_run(),
-        false => hand_over(),
+    if args.first_run {
+        return first_run();
     }
+    if args.hand_over {
+        return hand_over();
+    }
+    check_services(&Programs::built().trirrr)?;
+    Ok(())
 }
 
 /// Builds the program of the main job beside that of all commands, and checks what it hands over.

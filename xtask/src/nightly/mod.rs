@@ -455,6 +455,10 @@ fn steps() -> Result<Vec<Step>> {
             &["--release", "--test", "soak", "--", "--ignored"],
         ),
     ];
+    steps.push(Step::chore(
+        "what the main job hands over",
+        &["weight", "--hand-over"],
+    )?);
     steps.push(Step::chore("the first run", &["weight", "--first-run"])?);
     steps.extend(LINTED.map(lint_image));
     for package in NIGHTLY_PACKAGES {
