@@ -92,7 +92,7 @@ impl Cli {
     /// Reads a command line, whose first word is the program.
     ///
     /// # Errors
-    /// The command line is not in the [`syntax`](Self::syntax), or asks for help.
+    /// The command line is not in the syntax, or asks for help.
     pub fn read_from(
         words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
     ) -> Result<Self, clap::Error> {
