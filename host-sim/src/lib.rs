@@ -4,11 +4,11 @@
 //! computer can, and writes a table and [`figures`]. [`device`] puts the same service behind a TCP
 //! port, and [`bridge`] the line of a board. Both share [`serve`]; [`watch`] looks on, and [`key`] writes their keys.
 //! [`stream`] plays the job on a device or a board. [`goals`] sends either to poses, [`machine`] switches its drives.
-//! [`redundant`] plays and checks jobs of redundant machines. [`eval`] evaluates a table of cases. [`plan`] plans a path in the least time. [`linkage`] solves other planar mechanisms.
-//! [`calibrate`] and [`identify`] find the machine that is there.
-//! [`ui`] serves the page to browsers of this computer.
-//! [`assemble`] finds every pose for given motor angles. [`export`] writes the machine for other simulators.
-//! [`report`] measures errors and run times. All text that any of them says goes through [`terminal`].
+//! [`redundant`] plays and checks jobs of redundant machines. `eval` evaluates a table of cases. [`plan`] plans a path in the least time. `linkage` solves other planar mechanisms.
+//! `calibrate` and `identify` find the machine that is there.
+//! `ui` serves the page to browsers of this computer.
+//! `assemble` finds every pose for given motor angles. `export` writes the machine for other simulators.
+//! `report` measures errors and run times. All text that any of them says goes through [`terminal`].
 
 #![forbid(unsafe_code)]
 // Commands of `trirrr-full` alone use some of what is here.
