@@ -1,7 +1,7 @@
 //! Drawings: strokes in the plane, the pens that draw them, and the order in which they are drawn.
 //!
-//! A drawing has x to the right and y upward, in m. [`read_svg`]
-//! and [`read_dxf`] read one. [`Drawing::elements`] makes a tool path of it: the tool is off on the way to a stroke, and on along it.
+//! A drawing has x to the right and y upward, in m. `read_svg`
+//! and `read_dxf` read one. [`Drawing::elements`] makes a tool path of it: the tool is off on the way to a stroke, and on along it.
 
 #[cfg(feature = "dxf")]
 mod dxf;
