@@ -19,53 +19,28 @@ use std::ffi::OsString;
 use std::path::PathBuf;
 use trirrr_line::Address;
 
-/// Arguments of the commands that `trirrr-full` has.
 #[cfg(feature = "full")]
-mod of_full {
-    pub(super) use crate::assemble::AssembleArgs;
-    pub(super) use crate::calibrate::CalibrateArgs;
-    pub(super) use crate::completions::CompletionsArgs;
-    pub(super) use crate::design::DesignArgs;
-    pub(super) use crate::eval::EvalArgs;
-    pub(super) use crate::export::ExportArgs;
-    pub(super) use crate::identify::IdentifyArgs;
-    pub(super) use crate::install::InstallArgs;
-    pub(super) use crate::linkage::LinkageArgs;
-    pub(super) use crate::report::ReportArgs;
-    pub(super) use crate::ui::UiArgs;
-    pub(super) use crate::update::UpdateArgs;
-}
-
-/// In their place, words that are not looked at.
+use crate::{
+    assemble::AssembleArgs, calibrate::CalibrateArgs, completions::CompletionsArgs,
+    design::DesignArgs, eval::EvalArgs, export::ExportArgs, identify::IdentifyArgs,
+    install::InstallArgs, linkage::LinkageArgs, report::ReportArgs, ui::UiArgs, update::UpdateArgs,
+};
+// What `trirrr-full` carries out is not looked at here.
 #[cfg(not(feature = "full"))]
-mod of_full {
-    use super::HandedOver;
-
-    pub(super) type AssembleArgs = HandedOver;
-    pub(super) type CalibrateArgs = HandedOver;
-    pub(super) type CompletionsArgs = HandedOver;
-    pub(super) type DesignArgs = HandedOver;
-    pub(super) type EvalArgs = HandedOver;
-    pub(super) type ExportArgs = HandedOver;
-    pub(super) type IdentifyArgs = HandedOver;
-    pub(super) type LinkageArgs = HandedOver;
-    pub(super) type ReportArgs = HandedOver;
-    pub(super) type UiArgs = HandedOver;
-    pub(super) type InstallArgs = HandedOver;
-    pub(super) type UpdateArgs = HandedOver;
-}
-
-use of_full::{
-    AssembleArgs, CalibrateArgs, CompletionsArgs, DesignArgs, EvalArgs, ExportArgs, IdentifyArgs,
-    InstallArgs, LinkageArgs, ReportArgs, UiArgs, UpdateArgs,
+use self::{
+    HandedOver as AssembleArgs, HandedOver as CalibrateArgs, HandedOver as CompletionsArgs,
+    HandedOver as DesignArgs, HandedOver as EvalArgs, HandedOver as ExportArgs,
+    HandedOver as IdentifyArgs, HandedOver as InstallArgs, HandedOver as LinkageArgs,
+    HandedOver as ReportArgs, HandedOver as UiArgs, HandedOver as UpdateArgs,
 };
 
 /// Arguments of a command that `trirrr-full` carries out.
 #[cfg(not(feature = "full"))]
 #[derive(Debug, clap::Args)]
+#[command(disable_help_flag = true)]
 pub struct HandedOver {
     #[arg(trailing_var_arg = true, allow_hyphen_values = true, hide = true)]
-    arguments: Vec<std::ffi::OsString>,
+    arguments: Vec<OsString>,
 }
 
 /// Simulator and host tools for the planar 3-RRR manipulator.
@@ -175,40 +150,28 @@ pub enum Command {
 #[derive(Debug, Subcommand)]
 pub enum FullCommand {
     /// Bring a scene to a board over its line, without a new image
-    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
     Install(InstallArgs),
     /// Replace the program of a board over its line
-    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
     Update(UpdateArgs),
     /// Show a scene in a browser: drag the platform, edit, play the job
-    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
     Ui(UiArgs),
     /// Answer design questions: working modes, workspace, ratios, forces in joints, as a report
-    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
     Design(DesignArgs),
     /// Find every pose for given motor angles, and all motor angles for a pose
-    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
     Assemble(AssembleArgs),
     /// Calibrate a machine from measured poses or distances; propose what to measure next
-    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
     Calibrate(CalibrateArgs),
     /// Identify masses, inertias and friction of a machine from its angles and torques
-    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
     Identify(IdentifyArgs),
     /// Write a scene's machine for MuJoCo, Gazebo, Drake, Pinocchio: MJCF, SDF, URDF
-    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
     Export(ExportArgs),
     /// Evaluate a table of cases: a machine and a state or a move in each row
-    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
     Eval(EvalArgs),
     /// Solve a planar linkage over its motion: Assur groups, table, figures
-    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
     Linkage(LinkageArgs),
     /// Measure what the numbers are worth and what they cost: errors, run times, extremes
-    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
     Report(ReportArgs),
     /// Print a script by which a shell completes the command line
-    #[cfg_attr(not(feature = "full"), command(disable_help_flag = true))]
     Completions(CompletionsArgs),
 }
 
