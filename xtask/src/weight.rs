@@ -46,19 +46,17 @@ pub(crate) fn run(args: &WeightArgs) -> Result<()> {
 /// Builds the program of the main job beside that of all commands, and checks what it hands over.
 fn hand_over() -> Result<()> {
     let mut build = cargo();
-    build.args(["build", "--quiet", "--bin", "trirrr", "--target-dir"]);
-    // Cargo puts both builds of this program in the same place.
-    let built = target_directory();
-    succeed(build.arg(&built), "the program of the main job")?;
+    build.args(["build", "--quiet", "--bin", "trirrr"]);
+    succeed(&mut build, "the program of the main job")?;
     let own = target_directory().join("ci/main-job");
     fs::create_dir_all(&own)?;
     let (lean, full) = (own.join("trirrr"), own.join("trirrr-full"));
     let _ = fs::remove_file(&full);
-    fs::copy(built.join("debug/trirrr"), &lean)?;
+    fs::copy(Programs::built().trirrr, &lean)?;
     check_services(&lean)?;
-    // The program of all commands is where it was.
-    succeed(&mut Programs::builder(), "the host programs")?;
-    check_services(&built.join("debug/trirrr-full"))?;
+    // Cargo puts both builds of this program in the same place: the one with all commands comes back.
+    let with_all = Programs::build()?.trirrr.with_file_name("trirrr-full");
+    check_services(&with_all)?;
 
     let linkage = ["linkage", "linkages/no-such.toml"];
     let alone = answer(&lean, &linkage)?;
@@ -66,7 +64,7 @@ fn hand_over() -> Result<()> {
         alone.0 == Some(1) && alone.1.contains("cargo install"),
         "alone, the program says: {alone:?}"
     );
-    fs::copy(built.join("debug/trirrr-full"), &full)?;
+    fs::copy(with_all, &full)?;
     let plotter = ["check", "--machine", "scenes/plotter.toml"];
     let drawing = [plotter.as_slice(), &["no-such.svg"]].concat();
     let picture = ["run", "no-such.toml", "--png"];
