@@ -45,9 +45,9 @@ pub(crate) fn run(args: &NightlyArgs) -> Result<()> {
     let names: Vec<&str> = names.iter().map(String::as_str).collect();
     let mut record = Record::read()?;
     if !args.list {
-        check_tools()?;
         let commit = record::commit()?;
         steps.retain(|step| args.again || !record.has_passed(&step.name, &commit));
+        check_tools(&steps)?;
         record = record::run(steps, args.lanes.max(1), record, &commit)?;
     }
     print!("{}", record.table(&names));
@@ -61,20 +61,25 @@ pub(crate) fn run(args: &NightlyArgs) -> Result<()> {
     Ok(())
 }
 
-/// Looks for the tools before any part.
-fn check_tools() -> Result<()> {
-    let deny = Command::new("cargo-deny").arg("--version").output();
-    ensure!(
-        deny.is_ok_and(|output| output.status.success()),
-        "not installed: cargo install cargo-deny --locked"
-    );
-    ensure!(
-        on_nightly()
-            .arg("--version")
-            .output()
-            .is_ok_and(|output| output.status.success()),
-        "not installed: rustup toolchain install nightly --component miri rust-src"
-    );
+/// Looks for the tools of `steps` before any of them.
+fn check_tools(steps: &[Step]) -> Result<()> {
+    let deny = Command::new("cargo-deny");
+    let tools = [
+        ("deny", deny, "cargo install cargo-deny --locked"),
+        (
+            "miri",
+            on_nightly(),
+            "rustup toolchain install nightly --component miri rust-src",
+        ),
+    ];
+    for (word, mut tool, install) in tools {
+        let needs = |step: &Step| step.command.get_args().any(|argument| argument == word);
+        if steps.iter().any(needs) {
+            let output = tool.arg("--version").output();
+            let works = output.is_ok_and(|output| output.status.success());
+            ensure!(works, "not installed: {install}");
+        }
+    }
     Ok(())
 }
 
