@@ -18,8 +18,9 @@ const WHOLE: f64 = 0.998;
 /// The same where rounding is most of the acceleration: no share is small enough there.
 const SHARE_MIN: f64 = 0.5;
 /// Roundings by which the poses at the ends of a step change its acceleration, times the square of the step. Within half a metre of the base
-/// they are four at most, by 5.8 quarters at each end in both coordinates; longer moves have fewer.
-const ROUNDINGS: u32 = 2;
+/// they are four at most, by 5.8 quarters at each end in both coordinates; longer moves have fewer. On a piece at whose end
+/// the motion stops all four count: how it brakes there follows from the pace at which it comes, and no lower limit changes it.
+const ROUNDINGS: [u32; 2] = [2, 4];
 /// Cells on the way on which the machine brakes from the greatest pace.
 const CELLS_TO_BRAKE: u32 = 8;
 /// Longest cell on a piece at a stop, in p.
@@ -160,7 +161,7 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
         }
         let whole = !(span < left);
         let to = if whole { B::ONE } else { from + span };
-        match self.try_measure(planner, entry, [from, to], step) {
+        match self.try_measure(planner, entry, [from, to], stops[1], step) {
             Ok(Ok((mut cell, rate))) => {
                 let most = match (from == B::ZERO, entry.joint) {
                     (false, _) => unbounded(),
@@ -196,12 +197,14 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
         }
     }
 
-    /// Measures the stretch `ends`, with about the greatest acceleration along it; the inner error is a length that suits it better.
+    /// Measures the stretch `ends` of a piece at whose end the motion `stops` or not, with about the greatest acceleration along it; the
+    /// inner error is a length that suits it better.
     fn try_measure<M: Model<N: Enclose<Bound = B>>, T>(
         &mut self,
         planner: &Planner<M, &Path<M>>,
         entry: &HeldPiece<B, T>,
         ends: [B; 2],
+        stops: bool,
         step: B,
     ) -> Result<Result<(Cell<B>, B), B>, Obstacle> {
         let mut cell = self.cell(planner, entry, ends)?;
@@ -229,7 +232,7 @@ impl<B: Number, const CELLS: usize> Look<B, CELLS> {
         self.span = lesser(suited, span * B::ratio(GROWTH, 1));
         let middle = B::HALF * (ends[0] + ends[1]);
         let acceleration = rate * length(entry.piece.at(middle).first);
-        let noise = B::UNIT_ROUNDOFF * B::ratio(ROUNDINGS, 1);
+        let noise = B::UNIT_ROUNDOFF * B::ratio(ROUNDINGS[usize::from(stops)], 1);
         leave_room(&mut cell, noise.div(acceleration * step * step));
         cell.reserve(planner.ramp());
         Ok(Ok((cell, rate)))

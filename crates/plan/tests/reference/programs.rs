@@ -446,6 +446,8 @@ fn random_programs_are_planned_to_their_end() {
     // Some that brake as hard as they may where a long move is refused.
     let mut all = programs(0..3);
     all.extend([3, 17, 22, 23].map(|seed| (Kind::Turning, seed)));
+    // One that comes to a stop where rounding counts most.
+    all.push((Kind::LinesAndArcs, 1028));
     study(&all);
 }
 
