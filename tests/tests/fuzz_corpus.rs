@@ -2,7 +2,6 @@
 //! fuzzer.
 
 use std::fs;
-use std::path::PathBuf;
 use trirrr_bench::faulty_link::Random;
 use trirrr_bench::targets::{ALL, Target, play};
 use trirrr_protocol::message::State;
@@ -13,20 +12,16 @@ const MUTATIONS: u64 = 2_000;
 /// The longest mutation.
 const LONGEST: usize = 512;
 
+/// Inputs of a target: one a line, in hexadecimal digits.
 fn corpus(name: &str) -> Vec<Vec<u8>> {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-        .join("fuzz/corpus")
-        .join(name);
-    let entries = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{folder:?}: {error}"));
-    let mut paths: Vec<_> = entries
-        .map(|entry| entry.expect("readable").path())
-        .collect();
-    // The same order, and so the same mutations, on every machine.
-    paths.sort();
-    paths
-        .iter()
-        .map(|path| fs::read(path).expect("readable"))
-        .collect()
+    let file = format!("{}/fuzz/corpus/{name}.hex", env!("CARGO_MANIFEST_DIR"));
+    let text = fs::read_to_string(&file).unwrap_or_else(|error| panic!("{file}: {error}"));
+    let byte = |digits: &[u8]| {
+        let digits = std::str::from_utf8(digits).expect("digits");
+        u8::from_str_radix(digits, 16).expect("two digits a byte")
+    };
+    let input = |line: &str| line.as_bytes().chunks(2).map(byte).collect();
+    text.lines().map(input).collect()
 }
 
 /// Cuts, joins and changes of what is there.
@@ -49,7 +44,7 @@ fn the_targets_hold_on_their_corpora_and_on_mutations() {
     for (seed, (name, target)) in (1..).zip(ALL) {
         let target: Target = target;
         let corpus = corpus(name);
-        assert!(corpus.len() >= 10, "{name}: {} files", corpus.len());
+        assert!(corpus.len() >= 10, "{name}: {} inputs", corpus.len());
         corpus.iter().for_each(|bytes| target(bytes));
         let mut random = Random::new(seed);
         for _ in 0..MUTATIONS {

@@ -1,13 +1,14 @@
-//! `cargo xtask fuzz`: coverage-guided fuzzing of the targets in `fuzz/` with stable Rust.
+//! `cargo xtask fuzz`: coverage-guided fuzzing of the targets in `tests/fuzz/` with stable Rust.
 //!
 //! What `cargo fuzz` adds to the compiler's arguments is stable too, but for the address sanitizer,
 //! which finds nothing in code without `unsafe`. So CI needs neither a nightly toolchain nor cargo-fuzz; with
-//! both, `cargo +nightly fuzz run TARGET` works on the same folder.
+//! both, `cargo +nightly fuzz run TARGET ../../target/fuzz-corpus/TARGET` works in the same folder.
 
 use crate::repository::{cargo, root, rustc, target_directory};
 use anyhow::{Context, Result, bail, ensure};
 use clap::Args;
 use std::fs;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Passes and options of LLVM that libFuzzer's feedback needs.
@@ -31,7 +32,7 @@ pub(crate) struct FuzzArgs {
     /// Fuzz for so many seconds in place of a number of inputs
     #[arg(long)]
     seconds: Option<u64>,
-    /// Add inputs that cover more to the corpus in tests/fuzz/corpus
+    /// Add inputs that cover more to the corpus of the target, tests/fuzz/corpus/TARGET.hex
     #[arg(long)]
     keep: bool,
 }
@@ -70,7 +71,7 @@ pub(crate) fn run(arguments: &FuzzArgs) -> Result<()> {
     ensure!(status.success(), "the fuzz targets cannot be built");
     for target in chosen {
         let program = build.join(&host).join("release").join(target);
-        let corpus = fuzz.join("corpus").join(target);
+        let corpus = unpack(target)?;
         // Findings go here, so that a run leaves the corpus as it is.
         let found = target_directory().join("fuzz-found").join(target);
         fs::create_dir_all(&found)?;
@@ -99,8 +100,53 @@ pub(crate) fn run(arguments: &FuzzArgs) -> Result<()> {
         if !status.success() {
             bail!("{target}: an input breaks it, see {}", artifacts.display());
         }
+        if arguments.keep {
+            pack(target, &corpus)?;
+        }
     }
     Ok(())
+}
+
+/// Corpus of a target: one input a line, in hexadecimal digits.
+fn packed(target: &str) -> PathBuf {
+    root().join(format!("tests/fuzz/corpus/{target}.hex"))
+}
+
+/// Writes each input of the corpus of `target` into a file, as the fuzzer reads it. Returns the folder.
+fn unpack(target: &str) -> Result<PathBuf> {
+    let folder = target_directory().join("fuzz-corpus").join(target);
+    if folder.is_dir() {
+        fs::remove_dir_all(&folder)?;
+    }
+    fs::create_dir_all(&folder)?;
+    let packed = packed(target);
+    let text = fs::read_to_string(&packed).with_context(|| packed.display().to_string())?;
+    for (index, line) in text.lines().enumerate() {
+        let byte = |at: usize| {
+            line.get(at..at + 2)
+                .and_then(|two| u8::from_str_radix(two, 16).ok())
+        };
+        let bytes: Option<Vec<u8>> = (0..line.len()).step_by(2).map(byte).collect();
+        let bytes =
+            bytes.with_context(|| format!("{}:{}: no bytes", packed.display(), index + 1))?;
+        fs::write(folder.join(format!("{index:05}")), bytes)?;
+    }
+    Ok(folder)
+}
+
+/// Writes the inputs in `folder` as the corpus of `target`: those that it had, in their order, and what the fuzzer has added.
+fn pack(target: &str, folder: &Path) -> Result<()> {
+    let files = fs::read_dir(folder)?.map(|entry| Ok(entry?.path()));
+    let mut files: Vec<PathBuf> = files.collect::<Result<_>>()?;
+    files.sort();
+    let mut text = String::new();
+    for file in files {
+        let digits = fs::read(&file)?;
+        text.extend(digits.iter().map(|byte| format!("{byte:02x}")));
+        text.push('\n');
+    }
+    let packed = packed(target);
+    fs::write(&packed, text).with_context(|| packed.display().to_string())
 }
 
 /// The targets, by their files.
@@ -129,12 +175,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_target_has_a_corpus() {
+    fn every_target_has_a_corpus_that_is_unpacked_and_packed_unchanged() {
         let targets = targets().unwrap();
         assert!(targets.len() >= 2);
         for target in targets {
-            let corpus = root().join("tests/fuzz/corpus").join(&target);
-            assert!(fs::read_dir(&corpus).unwrap().count() >= 10, "{target}");
+            let text = fs::read(packed(&target)).unwrap();
+            let folder = unpack(&target).unwrap();
+            assert!(fs::read_dir(&folder).unwrap().count() >= 10, "{target}");
+            pack(&target, &folder).unwrap();
+            assert_eq!(fs::read(packed(&target)).unwrap(), text, "{target}");
         }
     }
 }

@@ -12,5 +12,5 @@ pub use watch::Reached;
 /// A target.
 pub type Target = fn(&[u8]);
 
-/// All of them, by the names of their corpora in `fuzz/corpus`.
+/// All of them, by the names of their corpora in `tests/fuzz/corpus`.
 pub const ALL: [(&str, Target); 2] = [("commands", commands), ("decoder", decoder)];
