@@ -20,6 +20,10 @@ const INTERRUPTED: u8 = 130;
 
 /// Runs the program, and returns its exit code.
 pub fn main() -> ExitCode {
+    #[cfg(not(feature = "full"))]
+    if let Some(name) = helped() {
+        return ended(crate::handover::hand_over(&name));
+    }
     // A bare call does the main job with its defaults, as the parser has them.
     let command = Cli::read_from(std::env::args_os())
         .unwrap_or_else(|error| error.exit())
@@ -55,11 +59,29 @@ pub fn main() -> ExitCode {
         Err(CliError::InFull(what)) => crate::handover::hand_over(what),
         done => done,
     };
+    ended(done)
+}
+
+/// Exit code of a command, whose failure is reported.
+fn ended(done: Result<ExitCode, CliError>) -> ExitCode {
     done.unwrap_or_else(|failure| {
         // Standard error may be closed; the exit code still tells.
         say(&failure.to_string());
         ExitCode::from(failure.exit_code())
     })
+}
+
+/// Command that `trirrr help` is asked about, where `trirrr-full` carries it out: that program has its options.
+#[cfg(not(feature = "full"))]
+fn helped() -> Option<String> {
+    let mut words = std::env::args_os()
+        .skip(1)
+        .map_while(|word| word.into_string().ok());
+    let name = words
+        .next()
+        .filter(|word| word == "help")
+        .and(words.next())?;
+    <FullCommand as clap::Subcommand>::has_subcommand(&name).then_some(name)
 }
 
 /// Carries out a command that only `trirrr-full` has.
