@@ -3,6 +3,7 @@
 
 pub mod canvas;
 pub mod decimate;
+pub mod document;
 pub mod labels;
 pub mod loglog;
 pub mod panel;

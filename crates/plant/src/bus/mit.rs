@@ -125,7 +125,7 @@ impl DriveModel<8> for MitModel {
         let Ok(data) = <[u8; 8]>::try_from(frame.data()) else {
             return;
         };
-        if id.as_raw() != self.node.into() {
+        if id.as_raw() != u16::from(self.node) {
             return;
         }
         self.told_ns = now_ns;

@@ -177,7 +177,7 @@ impl DriveModel<64> for MoteusModel {
             Id::Standard(id) => u32::from(id.as_raw()),
             Id::Extended(id) => id.as_raw(),
         };
-        if id & 0xFF != self.node.into() {
+        if id & 0xFF != u32::from(self.node) {
             return;
         }
         let commands = frame.data().first().is_some_and(|first| first & 0xF0 == 0);
