@@ -3,10 +3,11 @@
 use crate::failure::CliError;
 use crate::job_file::{self, JobFileArgs, LoadedJob, LongMoves};
 use crate::redundant;
-use crate::terminal::print;
+use crate::run::document::counted;
+use crate::terminal::show;
 use clap::Args;
-use serde_json::json;
 use std::path::PathBuf;
+use trirrr_figures::document::{Document, Facts};
 use trirrr_scene::Scene;
 use trirrr_scene::words::tick_time;
 
@@ -49,44 +50,38 @@ pub fn command(args: &CheckArgs) -> Result<(), CliError> {
     let LoadedJob { scene, pauses, .. } = job;
     trirrr_image::ram::check_board(&scene)
         .map_err(|why| CliError::Refused(format!("{}: {why}", args.scene.display())))?;
-    let text = match args.json {
-        true => format!("{}\n", as_json(&scene, &pauses)),
-        false => as_text(&scene),
-    };
-    print(&text)
+    show(&document(&scene, &pauses), args.json)
 }
 
-fn as_text(scene: &Scene) -> String {
+fn document(scene: &Scene, pauses: &[u32]) -> Document {
     let moves = scene.job.count();
-    let mut text = format!(
-        "{}: good\n{moves} {}, {} s: {} ticks at {} Hz in {}\n",
-        scene.name,
-        if moves == 1 { "move" } else { "moves" },
-        tick_time(scene.duration_s()),
-        scene.ticks(),
-        scene.tick_rate_hz,
+    let (duration_s, ticks, rate) = (scene.duration_s(), scene.ticks(), scene.tick_rate_hz);
+    let job = format!(
+        "{}, {} s: {ticks} ticks at {rate} Hz in {}",
+        counted(moves, "move"),
+        tick_time(duration_s),
         scene.number,
     );
-    if let Some(longest) = scene.longest_stop() {
-        text += &format!("a hold is {longest}\n");
-    }
-    text
-}
-
-fn as_json(scene: &Scene, pauses: &[u32]) -> serde_json::Value {
     let longest = scene.longest_stop();
-    json!({
-        "scene": scene.name,
-        "description": scene.description,
-        "key": scene.key,
-        "number": scene.number.name(),
-        "tick_rate_hz": scene.tick_rate_hz,
-        "moves": scene.job.count(),
-        "ticks": scene.ticks(),
-        "duration_s": scene.duration_s(),
-        "longest_stop_s": longest.map(|longest| longest.time_s),
-        "longest_stop_m": longest.map(|longest| longest.way_m),
-        "pauses": pauses,
-        "warning": scene.limits_warning(),
-    })
+    let mut document = Document::new();
+    document.note(format!("{}: good", scene.name)).note(job);
+    if let Some(longest) = longest {
+        document.note(format!("a hold is {longest}"));
+    }
+    document.pairs(
+        Facts::new()
+            .data("scene", &scene.name)
+            .data("description", &scene.description)
+            .data("key", scene.key)
+            .data("number", scene.number.name())
+            .data("tick_rate_hz", rate)
+            .data("moves", moves)
+            .data("ticks", ticks)
+            .data("duration_s", duration_s)
+            .data("longest_stop_s", longest.map(|longest| longest.time_s))
+            .data("longest_stop_m", longest.map(|longest| longest.way_m))
+            .data("pauses", pauses)
+            .data("warning", scene.limits_warning()),
+    );
+    document
 }

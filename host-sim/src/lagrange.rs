@@ -1,7 +1,8 @@
 //! Torques by Lagrange's equations beside those of a run: columns of `ticks.csv`, and the largest difference.
 
 use crate::recording::At;
-use crate::terminal::digits;
+use crate::run::document::at;
+use trirrr_figures::document::{Facts, digits};
 use trirrr_linkage::redundant::scene::{RedundantRecord, RedundantScene};
 use trirrr_scene::Scene;
 use trirrr_scene::record::Record;
@@ -144,7 +145,7 @@ impl LagrangeFound {
     }
 
     /// Lines of a summary.
-    pub fn lines(&self) -> Vec<String> {
+    fn lines(&self) -> Vec<String> {
         let line = |at: At, greatest: f64, unit: &str, what: &str| {
             let share = match greatest > 0.0 {
                 true => format!("{:.1e}", at.value / greatest),
@@ -164,14 +165,13 @@ impl LagrangeFound {
         torque.into_iter().chain(force).collect()
     }
 
-    /// Object of a summary in JSON.
-    pub fn json(&self) -> serde_json::Value {
-        let at = |at: At| serde_json::json!({ "value": at.value, "t_s": at.t });
-        serde_json::json!({
-            "torque_difference_nm": self.torque.map(at),
-            "greatest_torque_nm": self.greatest_torque,
-            "force_difference_n": self.force.map(at),
-            "greatest_force_n": self.force.map(|_| self.greatest_force),
-        })
+    /// Lines of text, and numbers.
+    pub fn record(&self) -> Facts {
+        Facts::new()
+            .text("lagrange", self.lines())
+            .data("torque_difference_nm", self.torque.map(at))
+            .data("greatest_torque_nm", self.greatest_torque)
+            .data("force_difference_n", self.force.map(at))
+            .data("greatest_force_n", self.force.map(|_| self.greatest_force))
     }
 }

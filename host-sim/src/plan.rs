@@ -5,11 +5,12 @@ use crate::figures::PlanTraces;
 use crate::job_file::{self, JobFileArgs, LoadedJob, LongMoves};
 use crate::pictures::PictureArgs;
 use crate::results::ResultFolder;
-use crate::terminal::print;
+use crate::terminal::show;
 use clap::Args;
-use serde_json::json;
 use std::fmt::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use std::path::PathBuf;
+use trirrr_figures::document::{Document, Facts};
 use trirrr_plan::course::{Effort, PathPiece, Run};
 use trirrr_protocol::message::LEVEL_PARTS;
 use trirrr_scene::{
@@ -82,12 +83,12 @@ pub fn command(args: &PlanArgs) -> Result<(), CliError> {
     write(&scene, &job, &points, &mut results)?;
     results.pictures()?;
     results.end(Ok(()))?;
-    let files = results.files();
-    let text = match args.json {
-        true => format!("{}\n", as_json(&scene, &job)),
-        false => as_text(&scene, &job, &points, &files),
-    };
-    print(&text)
+    let mut document = document(&scene, &job, &points);
+    // Files of the folder: programs know them by their names.
+    if !args.json {
+        document.files(results.files());
+    }
+    show(&document, args.json)
 }
 
 /// Time, place and speed at the start of a cell of the plan, or at the end of a run.
@@ -258,80 +259,59 @@ fn given_pieces(path: &JobPath) -> usize {
     path.pieces.chunk_by(|a, b| a.source == b.source).count()
 }
 
-fn as_text(scene: &Scene, job: &PlannedJob, points: &[PlanPoint], files: &[PathBuf]) -> String {
+fn document(scene: &Scene, job: &PlannedJob, points: &[PlanPoint]) -> Document {
     let plan = &job.moves.plan;
-    let dwells = &job.path.dwells;
-    let stands = job.stands_s(scene);
+    let (dwells, stands) = (job.path.dwells.len(), job.stands_s(scene));
     let (duration, least) = (stands + plan.duration_s(), stands + plan.least_s());
-    let played = job.ticks() as f64 * scene.period_s();
+    let (moves, ticks) = (job.moves.moves.len() + dwells, job.ticks());
+    let played = ticks as f64 * scene.period_s();
     let part = |time: f64| 100.0 * (time / least - 1.0);
-    let mut text = format!(
-        "{}: {} pieces, {} stops\n\
-         played   {played:.6} s   {} moves, {} ticks, each admitted by the service\n\
-         plan     {duration:.6} s   {:+.2} % over the bound, with room for holds\n\
-         bound    {least:.6} s   no motion along the path within the limits is faster\n",
+    let given_s = job.given_ticks.map(|ticks| ticks as f64 * scene.period_s());
+    let alpha = alpha_range(&job.path);
+    let chosen = alpha.map(|[least, greatest]| {
+        let given = match given_s {
+            Some(given_s) => format!("as given the path is played in {given_s:.6} s"),
+            None => "as given the path has no plan".into(),
+        };
+        format!("chosen from {least:.3} to {greatest:.3} rad; with alpha {given}")
+    });
+    let stand = (dwells > 0).then(|| format!("{stands:.6} s in all three, in dwells: {dwells}"));
+    let longest = scene.longest_stop();
+    let runs = plan.runs.iter().map(|run| {
+        Facts::new()
+            .data("duration_s", run.duration_s)
+            .data("lower_bound_s", run.least_s)
+            .data("cells", run.cells.len())
+    });
+    let pieces = format!(
+        "{}: {} pieces, {} stops",
         scene.name,
         given_pieces(&job.path),
-        plan.runs.len() - 1,
-        job.moves.moves.len() + dwells.len(),
-        job.ticks(),
-        part(duration),
+        plan.runs.len() - 1
     );
-    if !dwells.is_empty() {
-        let count = dwells.len();
-        let _ = writeln!(
-            text,
-            "in all three the machine stands for {stands:.6} s; dwells: {count}"
-        );
-    }
-    let _ = writeln!(text, "played over bound: {:+.2} %", part(played));
-    if let Some(longest) = scene.longest_stop() {
-        let _ = writeln!(text, "a hold is {longest}");
-    }
-    if let Some([least, greatest]) = alpha_range(&job.path) {
-        let _ = write!(text, "alpha chosen: {least:.3} to {greatest:.3} rad; ");
-        let _ = match job.given_ticks {
-            Some(ticks) => writeln!(
-                text,
-                "with alpha as given the path is played in {:.6} s",
-                ticks as f64 * scene.period_s()
-            ),
-            None => writeln!(text, "with alpha as given the path has no plan"),
-        };
-    }
-    for (limit, time) in acting(points) {
-        let share = 100.0 * time / duration;
-        let _ = writeln!(text, "{share:6.1} % of the time limited by {limit}");
-    }
-    for file in files {
-        let _ = writeln!(text, "wrote {}", file.display());
-    }
-    text
-}
-
-fn as_json(scene: &Scene, job: &PlannedJob) -> serde_json::Value {
-    let plan = &job.moves.plan;
-    let stands = job.stands_s(scene);
-    let runs = plan.runs.iter().map(|run| {
-        json!({
-            "duration_s": run.duration_s,
-            "lower_bound_s": run.least_s,
-            "cells": run.cells.len(),
-        })
+    let record = Facts::new()
+        .worded("scene", "path", &scene.name, pieces)
+        .worded("time_s", "played", played, format!("{played:.6} s   {moves} moves, {ticks} ticks, each admitted by the service; {:+.2} % over the bound", part(played)))
+        .worded("duration_s", "plan", duration, format!("{duration:.6} s   {:+.2} % over the bound, with room for holds", part(duration)))
+        .worded("lower_bound_s", "bound", least, format!("{least:.6} s   no motion along the path within the limits is faster"))
+        .worded("dwells_s", "stands", stands, stand.unwrap_or_default())
+        .text("a hold", longest.map(|longest| longest.to_string()))
+        .worded("alpha_rad", "alpha", alpha, chosen.unwrap_or_default())
+        .data("given_s", given_s)
+        .data("moves", moves)
+        .data("ticks", ticks)
+        .data("longest_stop_s", longest.map(|longest| longest.time_s))
+        .data("longest_stop_m", longest.map(|longest| longest.way_m))
+        .rows("runs", runs);
+    let mut document = Document::new();
+    document.pairs(record);
+    let limits = acting(points).into_iter().map(|(limit, time_s)| {
+        let share = format!("{:.1} %", 100.0 * time_s / duration);
+        Facts::new()
+            .pair("limit", "limited by", limit)
+            .pair("time_s", "for", time_s)
+            .text("of the time", share)
     });
-    let longest = scene.longest_stop();
-    json!({
-        "scene": scene.name,
-        "moves": job.moves.moves.len() + job.path.dwells.len(),
-        "ticks": job.ticks(),
-        "time_s": job.ticks() as f64 * scene.period_s(),
-        "duration_s": stands + plan.duration_s(),
-        "lower_bound_s": stands + plan.least_s(),
-        "dwells_s": stands,
-        "longest_stop_s": longest.map(|longest| longest.time_s),
-        "longest_stop_m": longest.map(|longest| longest.way_m),
-        "runs": runs.collect::<Vec<_>>(),
-        "alpha_rad": alpha_range(&job.path),
-        "given_s": job.given_ticks.map(|ticks| ticks as f64 * scene.period_s()),
-    })
+    document.table("limits", limits.collect());
+    document
 }

@@ -2,6 +2,7 @@
 
 use crate::failure::CliError;
 use std::io::{self, Write};
+use trirrr_figures::document::Document;
 use trirrr_scene::visible_lines;
 
 /// Returns a message as standard error shows it: with the name of the program, and [visible](visible_lines).
@@ -24,6 +25,17 @@ pub(crate) fn print(text: &str) -> Result<(), CliError> {
     printed(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
 }
 
+/// Prints a result: as text, or as one object.
+///
+/// # Errors
+/// Failed: standard output cannot be written.
+pub(crate) fn show(document: &Document, as_json: bool) -> Result<(), CliError> {
+    match as_json {
+        true => print(&format!("{}\n", document.json())),
+        false => print(&document.text()),
+    }
+}
+
 /// Prints a line of a log. A standard output that is closed stops nobody.
 pub(crate) fn print_line(text: &str) {
     let _ = print(&format!("{text}\n"));
@@ -39,31 +51,5 @@ pub(crate) fn printed(result: io::Result<()>) -> Result<(), CliError> {
             Err(CliError::Failed(format!("standard output: {error}")))
         }
         _ => Ok(()),
-    }
-}
-
-/// Four digits of a number; an exponent only where zeros would hide the size.
-pub(crate) fn digits(value: f64) -> String {
-    let size = value.abs();
-    if value == 0.0 {
-        "0".into()
-    } else if (1e-4..1e6).contains(&size) {
-        let decimals = (3 - size.log10().floor() as i32).max(0) as usize;
-        format!("{value:.decimals$}")
-    } else {
-        format!("{value:.3e}")
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_have_four_digits() {
-        assert_eq!(digits(0.012345678), "0.01235");
-        assert_eq!(digits(-123.456), "-123.5");
-        assert_eq!(digits(54321.9), "54322");
-        assert_eq!(digits(1.5e-9), "1.500e-9");
     }
 }

@@ -26,7 +26,7 @@ pub struct ModeFault {
 }
 
 /// Figures of a job in one working mode.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct ModeFigures {
     /// Largest torques, N m.
     pub torque_peak_nm: [f64; 3],
@@ -39,8 +39,10 @@ pub struct ModeFigures {
     /// Work that the motors give, J; what they take back is not counted.
     pub work_j: f64,
     /// Least distance to a serial singularity, 0 to 1.
+    #[serde(rename = "serial_distance_min")]
     pub serial_min: f64,
     /// Least distance to the parallel singularity, 0 to 1.
+    #[serde(rename = "parallel_distance_min")]
     pub parallel_min: f64,
     /// Largest part of a limit of the scene (rate, acceleration, torque, power); 0 without limits.
     pub limit_part: f64,

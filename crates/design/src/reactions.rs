@@ -6,7 +6,7 @@ use trirrr_core::tick::Tick;
 use trirrr_scene::{JobPlayer, Scene};
 
 /// Force in a joint along a job, N.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct JointForce {
     /// Largest size.
     pub peak_n: f64,

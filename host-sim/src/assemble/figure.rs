@@ -1,7 +1,7 @@
 //! Modes drawn beside each other, all to one scale.
 
+use super::document::{is_own, side, signs};
 use super::find::Modes;
-use super::text::{is_own, side, signs};
 use crate::figures::draw_pose;
 use trirrr_design::assembly::elbows_of;
 use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};

@@ -1,15 +1,16 @@
 //! `trirrr assemble`: every pose for given motor angles, and all motor angles for a pose.
 
 mod args;
+mod document;
 mod figure;
 mod find;
-mod text;
 
 pub use args::{AssembleArgs, StandingArgs};
 
 use crate::failure::CliError;
 use crate::results::ResultFolder;
-use crate::terminal::print;
+use crate::terminal::show;
+use document::{assemblies_table, document, working_modes_table};
 use find::Modes;
 use std::path::Path;
 
@@ -29,8 +30,8 @@ pub fn command(args: &AssembleArgs) -> Result<(), CliError> {
         CliError::Failed(format!("a figure: {error}"))
     };
     for (name, text) in [
-        ("assemblies.csv", text::assemblies_table(&modes)),
-        ("working_modes.csv", text::working_modes_table(&modes)),
+        ("assemblies.csv", assemblies_table(&modes)),
+        ("working_modes.csv", working_modes_table(&modes)),
         (
             "assemblies.svg",
             figure::assemblies(&modes).map_err(failed)?,
@@ -43,8 +44,5 @@ pub fn command(args: &AssembleArgs) -> Result<(), CliError> {
         results.write(name, text)?;
     }
     results.end(Ok(()))?;
-    match args.json {
-        true => print(&format!("{:#}\n", text::as_json(&modes))),
-        false => print(&text::tables(&modes, &results.files())),
-    }
+    show(document(&modes).files(results.files()), args.json)
 }

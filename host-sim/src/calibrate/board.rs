@@ -3,10 +3,9 @@
 use crate::failure::CliError;
 use crate::goals::MachineArgs;
 use crate::machine::{ReplacedGeometry, replace_geometry};
-use serde_json::{Value, json};
-use std::fmt::Write;
 use std::sync::atomic::AtomicBool;
 use trirrr_calibration::Calibration;
+use trirrr_figures::document::Facts;
 use trirrr_scene::Scene;
 
 /// Board with the calibrated legs.
@@ -46,8 +45,8 @@ impl CalibratedBoard {
         })
     }
 
-    /// Lines of the summary.
-    pub(super) fn say(&self, text: &mut String) {
+    /// Its pose by the legs before, and by the calibrated ones.
+    pub(super) fn record(&self) -> Facts {
         let ReplacedGeometry { stood, stands } = self.geometry;
         let pose =
             |[x, y, alpha]: [f64; 3]| format!("x {x:.6} m, y {y:.6} m, alpha {alpha:.6} rad");
@@ -55,20 +54,14 @@ impl CalibratedBoard {
             true => "",
             false => " and encoder offsets",
         };
-        let _ = writeln!(
-            text,
-            "  board       has the calibrated legs{offsets} until it is switched off; the platform stands at {}, which were {} by the legs before",
+        let text = format!(
+            "has the calibrated legs{offsets} until it is switched off; the platform stands at {}, which were {} by the legs before",
             pose(stands),
             pose(stood)
         );
-    }
-
-    /// The same as JSON, SI units.
-    pub(super) fn as_json(&self) -> Value {
-        json!({
-            "stood": self.geometry.stood,
-            "stands": self.geometry.stands,
-            "offsets_rad": self.offsets_rad,
-        })
+        Facts::new()
+            .worded("stands", "board", stands, text)
+            .data("stood", stood)
+            .data("offsets_rad", self.offsets_rad)
     }
 }

@@ -2,9 +2,9 @@
 
 mod args;
 mod board;
+mod document;
 mod next;
 mod patch;
-mod text;
 
 pub use args::{CalibrateArgs, MeasuredKind};
 
@@ -12,7 +12,7 @@ use crate::failure::CliError;
 use crate::figures::CalibrationFigures;
 use crate::patched_scene::PatchedScene;
 use crate::results::ResultFolder;
-use crate::terminal::print;
+use crate::terminal::show;
 use board::CalibratedBoard;
 use next::NextPoses;
 use patch::patch;
@@ -101,10 +101,10 @@ pub fn command(args: &CalibrateArgs, stop: &AtomicBool) -> Result<(), CliError> 
     if let Some(calibration) = &calibration {
         let (patched, offsets_in) = patch(&scene, args, calibration)?;
         written.offsets_in = offsets_in;
-        let copies = patched.write(&mut results, &text::head(calibration, args, offsets_in))?;
+        let copies = patched.write(&mut results, &document::head(calibration, args, offsets_in))?;
         written.files.extend(copies.files);
         written.refusal = copies.refusal;
-        let table = text::residuals(calibration);
+        let table = document::residuals(calibration);
         written.files.push(results.write("residuals.csv", table)?);
         let figures = CalibrationFigures {
             name: &scene.name,
@@ -117,15 +117,11 @@ pub fn command(args: &CalibrateArgs, stop: &AtomicBool) -> Result<(), CliError> 
             written.files.push(results.write(name, table)?);
         }
     }
-    let json = format!("{:#}\n", text::as_json(&findings, &written));
-    written
-        .files
-        .push(results.write("calibration.json", json.as_str())?);
+    let mut document = document::document(&findings, args, &written);
+    let json = format!("{:#}\n", document.json());
+    written.files.push(results.write("calibration.json", json)?);
     results.end(Ok(()))?;
-    match args.json {
-        true => print(&json),
-        false => print(&text::summary(&findings, args, &written)),
-    }
+    show(document.files(written.files), args.json)
 }
 
 /// Tables of a proposal: the poses, and the table to be filled in. They stay until there is another proposal.

@@ -1,20 +1,20 @@
 //! `trirrr design`: where a machine can work, in which working mode, with which motors and bearings.
 
 mod args;
+mod document;
 mod field;
 mod figures;
 mod motor_figures;
 mod optimise;
-mod page;
 mod scatter;
 mod study;
-mod text;
 
 pub use args::{DesignArgs, StudyArgs};
 
 use crate::failure::CliError;
 use crate::results::ResultFolder;
 use crate::terminal::print;
+use document::{document, map_table};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use study::Study;
@@ -38,8 +38,6 @@ fn report(args: &DesignArgs) -> Result<(), CliError> {
     };
     let mut results =
         ResultFolder::for_command(&folder, "design")?.with_pictures(args.pictures.png);
-    let json = text::as_json(&study, args);
-    let json = format!("{json:#}\n");
     let mut figures: Vec<(&'static str, String)> = Vec::new();
     for (name, drawn) in figures::all(&study) {
         let drawn = drawn.map_err(|error| {
@@ -52,13 +50,16 @@ fn report(args: &DesignArgs) -> Result<(), CliError> {
         results.write(&format!("{name}.svg"), drawn.as_str())?;
     }
     results.pictures()?;
+    let mut document = document(&study, args, &figures);
+    let json = format!("{:#}\n", document.json());
     results.write("design.json", json.as_str())?;
-    results.write("map.csv", text::map_table(&study))?;
+    results.write("map.csv", map_table(&study))?;
     results.write("animation.html", study.animation.page(&study.scene.name))?;
-    results.write("report.html", page::html(&study, args, &figures))?;
+    let title = format!("{}: design report", study.scene.name);
+    results.write("report.html", document.page(&title))?;
     results.end(Ok(()))?;
     match args.json {
         true => print(&json),
-        false => print(&text::summary(&study, args, &results.files())),
+        false => print(&document.files(results.files()).text()),
     }
 }

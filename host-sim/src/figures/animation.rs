@@ -1,6 +1,7 @@
 //! The machine in motion, as a page that needs nothing from elsewhere: it plays, pauses, and is drawn at any time by mouse and keys.
 
 use serde_json::{Value, json};
+use trirrr_figures::document::escaped;
 use trirrr_scene::record::Record;
 
 /// Poses that are kept; the page interpolates between them.
@@ -83,13 +84,6 @@ impl Animation {
             self.player()
         )
     }
-}
-
-/// Text for HTML.
-pub(crate) fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;")
-        .replace('<', "&lt;")
-        .replace('>', "&gt;")
 }
 
 /// Base joints, lengths of the proximal links, and platform joints in the platform's frame, m.

@@ -21,7 +21,7 @@ mod refused;
 mod tolerances;
 mod traces;
 
-pub(crate) use animation::{Animation, escaped};
+pub(crate) use animation::Animation;
 #[cfg(feature = "full")]
 pub use calibration::CalibrationFigures;
 pub use drives::DriveTraces;

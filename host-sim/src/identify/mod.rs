@@ -1,8 +1,8 @@
 //! `trirrr identify`: masses, inertias and friction of the machine that is there, from its angles and torques.
 
 mod args;
+mod document;
 mod patch;
-mod text;
 
 pub use args::{IdentifyArgs, MotionSource};
 
@@ -10,7 +10,7 @@ use crate::calibrate::{of_lines, text_file};
 use crate::failure::CliError;
 use crate::figures::write_torques;
 use crate::results::ResultFolder;
-use crate::terminal::print;
+use crate::terminal::show;
 use patch::patch;
 use std::path::{Path, PathBuf};
 use trirrr_calibration::identify::{
@@ -64,7 +64,7 @@ pub fn command(args: &IdentifyArgs) -> Result<(), CliError> {
     if found.impossible.is_empty() {
         let (patched, friction_in) = patch(&scene, args, &found)?;
         written.friction_in = friction_in;
-        let copies = patched.write(&mut results, &text::head(&found, args, friction_in))?;
+        let copies = patched.write(&mut results, &document::head(&found, args, friction_in))?;
         written.files.extend(copies.files);
         written.refusal = copies.refusal;
     } else {
@@ -72,15 +72,13 @@ pub fn command(args: &IdentifyArgs) -> Result<(), CliError> {
     }
     let drawn = write_torques(&mut results, &scene.name, &found.torques)?;
     written.files.push(drawn);
-    let json = format!("{:#}\n", text::as_json(&scene, &found, &written));
+    let mut document = document::document(&scene, &found, &written);
+    let json = format!("{:#}\n", document.json());
     written
         .files
-        .push(results.write("identification.json", json.as_str())?);
+        .push(results.write("identification.json", json)?);
     results.end(Ok(()))?;
-    match args.json {
-        true => print(&json),
-        false => print(&text::summary(&scene, &found, &written)),
-    }
+    show(document.files(written.files), args.json)
 }
 
 /// Friction of the motors that the scene knows: viscous and Coulomb's.

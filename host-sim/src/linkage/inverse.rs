@@ -4,11 +4,10 @@ use super::LinkageArgs;
 use crate::arguments::{LARGEST, pose_deg, pose_rad, three};
 use crate::failure::CliError;
 use crate::results::ResultFolder;
-use crate::terminal::{digits, print};
+use crate::terminal::show;
 use clap::Args;
-use serde_json::{Value, json};
-use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+use trirrr_figures::document::{Document, Facts};
 use trirrr_linkage::assur::{ArmBranch, ArmError, EndMotion, Linkage, SerialArm, inverse_files};
 
 /// Motion of the end link of a serial arm.
@@ -89,87 +88,68 @@ pub(super) fn command(
         results.figure(name, drawn)?;
     }
     results.end(Ok(()))?;
-    match args.json {
-        true => print(&format!("{:#}\n", as_json(linkage, &arm, end, &branches))),
-        false => print(&text(linkage, &arm, end, &branches, &results.files())),
-    }
+    let mut document = document(linkage, &arm, end, &branches);
+    show(document.files(results.files()), args.json)
 }
 
-fn text(
+fn document(
     linkage: &Linkage,
     arm: &SerialArm,
     end: &EndMotion,
     branches: &[ArmBranch; 2],
-    files: &[PathBuf],
-) -> String {
+) -> Document {
     let [x, y, angle] = end.pose;
-    let mut text = format!(
-        "{}: inverse for {} at {x:.6} m, {y:.6} m, {:.4} deg\n",
+    let mut document = Document::new();
+    let point = linkage.point_name(arm.end);
+    let drives = arm.joints.map(|joint| linkage.joints[joint].name.clone());
+    document.note(format!(
+        "{}: inverse for {point} at {x:.6} m, {y:.6} m, {:.4} deg",
         linkage.name,
-        linkage.point_name(arm.end),
         angle.to_degrees()
-    );
+    ));
     for branch in branches {
         let side = if branch.elbow > 0.0 { "left" } else { "right" };
-        // Writing to a string does not fail.
-        let _ = writeln!(
-            text,
-            "\nelbow on the {side}; sine of its angle {:.6}; residual {:.1e} m\n\
-             drive         angle deg    angle rad        rate rad/s  acceleration rad/s^2{}",
-            branch.distance,
-            branch.residual_m,
-            if branch.torques_nm.is_some() {
-                "    torque N m"
-            } else {
-                ""
-            }
-        );
-        for (place, [value, rate, acceleration]) in branch.drives.iter().enumerate() {
-            let _ = write!(
-                text,
-                "{:<12} {:>10.4} {value:>12.8} {:>17} {:>21}",
-                linkage.joints[arm.joints[place]].name,
-                value.to_degrees(),
-                digits(*rate),
-                digits(*acceleration)
-            );
-            if let Some(torques) = branch.torques_nm {
-                let _ = write!(text, " {:>13}", digits(torques[place]));
-            }
-            text.push('\n');
-        }
+        document.heading(format!(
+            "elbow on the {side}; sine of its angle {:.6}; residual {:.1e} m",
+            branch.distance, branch.residual_m
+        ));
+        let rows = branch.drives.iter().enumerate();
+        let rows = rows.map(|(place, [value, rate, acceleration])| {
+            Facts::new()
+                .text("drive", drives[place].as_str())
+                .derived("angle", "deg", value.to_degrees())
+                .decimals(4)
+                .derived("angle in rad", "", value)
+                .decimals(8)
+                .derived("rate", "rad/s", rate)
+                .derived("acceleration", "rad/s^2", acceleration)
+                .derived(
+                    "torque",
+                    "N m",
+                    branch.torques_nm.map(|torques| torques[place]),
+                )
+        });
+        document.table("", rows.collect());
     }
-    text.push('\n');
-    for file in files {
-        let _ = writeln!(text, "wrote    {}", file.display());
-    }
-    text
-}
-
-fn as_json(
-    linkage: &Linkage,
-    arm: &SerialArm,
-    end: &EndMotion,
-    branches: &[ArmBranch; 2],
-) -> Value {
     let of = |branch: &ArmBranch| {
-        json!({
-            "elbow": branch.elbow as i32,
-            "angles_rad": branch.drives.map(|drive| drive[0]),
-            "rates_rad_s": branch.drives.map(|drive| drive[1]),
-            "accelerations_rad_s2": branch.drives.map(|drive| drive[2]),
-            "torques_nm": branch.torques_nm,
-            "distance": branch.distance,
-            "residual_m": branch.residual_m,
-        })
+        Facts::new()
+            .data("elbow", branch.elbow as i32)
+            .data("angles_rad", branch.drives.map(|drive| drive[0]))
+            .data("rates_rad_s", branch.drives.map(|drive| drive[1]))
+            .data("accelerations_rad_s2", branch.drives.map(|drive| drive[2]))
+            .data("torques_nm", branch.torques_nm)
+            .data("distance", branch.distance)
+            .data("residual_m", branch.residual_m)
     };
-    json!({
-        "name": linkage.name,
-        "point": linkage.point_name(arm.end),
-        "pose": end.pose,
-        "velocity": end.velocity,
-        "acceleration": end.acceleration,
-        "drives": arm.joints.map(|joint| linkage.joints[joint].name.clone()),
-        "branches": branches.each_ref().map(of),
-    })
+    document.pairs(
+        Facts::new()
+            .data("name", &linkage.name)
+            .data("point", point)
+            .data("pose", end.pose)
+            .data("velocity", end.velocity)
+            .data("acceleration", end.acceleration)
+            .data("drives", drives)
+            .rows("branches", branches.iter().map(of)),
+    );
+    document
 }

@@ -4,10 +4,11 @@ use crate::failure::CliError;
 use crate::figures::DriveTraces;
 use crate::results::{ResultFolder, unwritable};
 use std::fs::File;
-use std::io::{self, BufWriter, Write};
+use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use trirrr_client::describe::Units;
 use trirrr_client::drive_records::{DriveRecord, DriveSamples};
+use trirrr_figures::document::Facts;
 use trirrr_protocol::message::{DriveSample, Telemetry, Transmit};
 use trirrr_scene::Scene;
 use trirrr_scene::words::short;
@@ -145,24 +146,23 @@ impl DrivePeaks {
         }
     }
 
-    /// Prints the lines of a summary: the label, and what there is to say.
-    ///
-    /// # Errors
-    /// Those of `line`.
-    pub fn print(&self, mut line: impl FnMut(&str, &str) -> io::Result<()>) -> io::Result<()> {
-        let (off_m, off_rad) = (short(self.off_m), short(self.off_rad));
+    /// Lines of a summary, and numbers.
+    pub fn record(&self) -> Facts {
+        let [off_m, off_rad, moment] = [self.off_m, self.off_rad, self.moment_nm].map(short);
         let off = format!(
             "{} samples, the platform at most {off_m} m and {off_rad} rad off",
             self.rows
         );
-        line("drives", &off)?;
-        let Some(force) = self.force_n else {
-            return Ok(());
-        };
-        let (force, moment) = (short(force), short(self.moment_nm));
-        line(
-            "",
-            &format!("force at the tool at most {force} N, moment {moment} N m, as estimated"),
-        )
+        let force = self.force_n.map(short);
+        let force = force.map(|force| {
+            format!("force at the tool at most {force} N, moment {moment} N m, as estimated")
+        });
+        Facts::new()
+            .text("drives", Vec::from_iter([off].into_iter().chain(force)))
+            .data("samples", self.rows)
+            .data("off_m", self.off_m)
+            .data("off_rad", self.off_rad)
+            .data("force_n", self.force_n)
+            .data("moment_nm", self.force_n.map(|_| self.moment_nm))
     }
 }

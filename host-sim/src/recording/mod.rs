@@ -123,7 +123,7 @@ impl Recorder {
         }
         self.traces.push(record);
         match &mut self.peaks {
-            Some(peaks) => peaks.merge(record),
+            Some(peaks) => peaks.merge(&Peaks::new(record)),
             none => *none = Some(Peaks::new(record)),
         }
         self.load.push(record);

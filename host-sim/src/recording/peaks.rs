@@ -1,6 +1,6 @@
 //! The extremes of a run.
 
-use trirrr_scene::record::Record;
+use trirrr_scene::record::{LegRecord, Record};
 
 /// A value and when it occurred.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,6 +9,22 @@ pub struct At {
     pub value: f64,
     /// Time since the start of the job, s.
     pub t: f64,
+}
+
+impl At {
+    /// Takes a later value in, if its size is greater.
+    pub(crate) fn grow(&mut self, new: At) {
+        if new.value.abs() > self.value.abs() {
+            *self = new;
+        }
+    }
+
+    /// Takes a later value in, if it is less.
+    pub(crate) fn fall(&mut self, new: At) {
+        if new.value < self.value {
+            *self = new;
+        }
+    }
 }
 
 /// Greatest magnitudes at one motor, each with its sign.
@@ -23,12 +39,12 @@ pub struct MotorPeaks {
 }
 
 /// Extremes of a motion, for the summary of a run.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Peaks {
-    /// The three motors.
-    pub motors: [MotorPeaks; 3],
+    /// The motors.
+    pub motors: Vec<MotorPeaks>,
     /// Least distance to the serial singularity of each leg.
-    pub serial: [At; 3],
+    pub serial: Vec<At>,
     /// Least distance to the parallel singularity.
     pub parallel: At,
 }
@@ -36,40 +52,43 @@ pub struct Peaks {
 impl Peaks {
     /// The peaks of a single record.
     pub fn new(record: &Record) -> Self {
-        let at = |value| At { value, t: record.t };
-        Self {
-            motors: record.legs.map(|leg| MotorPeaks {
+        Self::of_legs(record.t, &record.legs, record.parallel)
+    }
+
+    /// Values at the time `t`, s.
+    pub(crate) fn of_legs<'r>(
+        t: f64,
+        legs: impl IntoIterator<Item = &'r LegRecord>,
+        parallel: f64,
+    ) -> Self {
+        let at = |value| At { value, t };
+        let leg = |leg: &LegRecord| {
+            let motor = MotorPeaks {
                 rate: at(leg.dth1),
                 torque: at(leg.torque),
                 power: at(leg.power),
-            }),
-            serial: record.legs.map(|leg| at(leg.serial)),
-            parallel: at(record.parallel),
+            };
+            (motor, at(leg.serial))
+        };
+        let (motors, serial) = legs.into_iter().map(leg).unzip();
+        Self {
+            motors,
+            serial,
+            parallel: at(parallel),
         }
     }
 
-    /// Takes a later record in; of equals the earlier stays.
-    pub fn merge(&mut self, record: &Record) {
-        let new = Self::new(record);
-        let greater = |old: &mut At, new: At| {
-            if new.value.abs() > old.value.abs() {
-                *old = new;
-            }
-        };
-        let less = |old: &mut At, new: At| {
-            if new.value < old.value {
-                *old = new;
-            }
-        };
-        for (old, new) in self.motors.iter_mut().zip(new.motors) {
-            greater(&mut old.rate, new.rate);
-            greater(&mut old.torque, new.torque);
-            greater(&mut old.power, new.power);
+    /// Takes later values in; of equals the earlier stays.
+    pub fn merge(&mut self, new: &Self) {
+        for (old, new) in self.motors.iter_mut().zip(&new.motors) {
+            old.rate.grow(new.rate);
+            old.torque.grow(new.torque);
+            old.power.grow(new.power);
         }
-        for (old, new) in self.serial.iter_mut().zip(new.serial) {
-            less(old, new);
+        for (old, new) in self.serial.iter_mut().zip(&new.serial) {
+            old.fall(*new);
         }
-        less(&mut self.parallel, new.parallel);
+        self.parallel.fall(new.parallel);
     }
 }
 
@@ -90,8 +109,8 @@ mod tests {
             record
         };
         let mut peaks = Peaks::new(&record(0.0, 1.0, 0.5));
-        peaks.merge(&record(1.0, -3.0, 0.2));
-        peaks.merge(&record(2.0, 3.0, 0.3));
+        peaks.merge(&Peaks::new(&record(1.0, -3.0, 0.2)));
+        peaks.merge(&Peaks::new(&record(2.0, 3.0, 0.3)));
         assert_eq!(
             peaks.motors[1].torque,
             At {

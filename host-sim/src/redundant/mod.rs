@@ -4,12 +4,11 @@
 //! have. What is written has the names and units of a 3-RRR's run.
 
 mod check;
-mod json;
+mod document;
 mod peaks;
 mod plant;
 mod play;
 mod record;
-mod summary;
 
 pub use check::check;
 pub use play::run;
@@ -48,10 +47,7 @@ fn read(file: &Path, args: &JobFileArgs) -> Result<RedundantScene, CliError> {
 
 /// Names a kind with its numbers: `prrr-2rrr, 3 legs, 1 slider`.
 fn kind_text(kind: MachineKind) -> String {
-    let sliders = match kind.sliders() {
-        1 => "1 slider".into(),
-        count => format!("{count} sliders"),
-    };
+    let sliders = crate::run::document::counted(kind.sliders(), "slider");
     format!("{}, {} legs, {sliders}", kind.name(), kind.legs())
 }
 

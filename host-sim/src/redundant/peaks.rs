@@ -1,6 +1,6 @@
 //! Extremes of the job of a redundant machine.
 
-use crate::recording::{At, MotorPeaks};
+use crate::recording::{At, Peaks};
 use trirrr_linkage::redundant::scene::RedundantRecord;
 
 /// Greatest sizes at one slider, each with its sign.
@@ -16,14 +16,11 @@ pub(super) struct SliderPeaks {
     pub(super) power: At,
 }
 
-/// Extremes of a motion.
+/// Extremes of a motion: those of every machine, and more.
 #[derive(Clone, Debug)]
 pub(super) struct RedundantPeaks {
-    pub(super) motors: Vec<MotorPeaks>,
+    pub(super) machine: Peaks,
     pub(super) sliders: Vec<SliderPeaks>,
-    /// Least distance to the serial singularity, and its leg.
-    pub(super) serial: (usize, At),
-    pub(super) parallel: At,
     /// Greatest norm of the motor torques, with preload and without, N m.
     pub(super) norm: At,
     pub(super) least_norm: At,
@@ -36,72 +33,43 @@ impl RedundantPeaks {
     pub(super) fn new(record: &RedundantRecord) -> Self {
         let at = |value| At { value, t: record.t };
         let legs = || record.legs.iter().enumerate();
-        let extreme = |values: &mut dyn Iterator<Item = (usize, f64)>, greatest: bool| {
-            let sign = if greatest { 1.0 } else { -1.0 };
-            let best = values.max_by(|a, b| (sign * a.1).total_cmp(&(sign * b.1)));
-            best.map_or((0, at(0.0)), |(leg, value)| (leg, at(value)))
-        };
-        let joints =
-            |(leg, own): (usize, &trirrr_linkage::redundant::scene::RedundantLegRecord)| {
-                let sizes = own.joints.map(|[x, y]| x.hypot(y));
-                (leg, sizes.into_iter().fold(0.0, f64::max))
-            };
+        let sliders = legs().filter_map(|(leg, own)| {
+            let slider = own.slider?;
+            Some(SliderPeaks {
+                leg,
+                velocity: at(slider.velocity),
+                force: at(slider.force),
+                power: at(slider.power),
+            })
+        });
+        let joints = legs().map(|(leg, own)| {
+            let sizes = own.joints.map(|[x, y]| x.hypot(y));
+            (leg, at(sizes.into_iter().fold(0.0, f64::max)))
+        });
+        let joint = joints.max_by(|(_, one), (_, other)| one.value.total_cmp(&other.value));
+        let own = record.legs.iter().map(|leg| &leg.leg);
         Self {
-            motors: legs()
-                .map(|(_, own)| MotorPeaks {
-                    rate: at(own.leg.dth1),
-                    torque: at(own.leg.torque),
-                    power: at(own.leg.power),
-                })
-                .collect(),
-            sliders: legs()
-                .filter_map(|(leg, own)| {
-                    let slider = own.slider?;
-                    Some(SliderPeaks {
-                        leg,
-                        velocity: at(slider.velocity),
-                        force: at(slider.force),
-                        power: at(slider.power),
-                    })
-                })
-                .collect(),
-            serial: extreme(&mut legs().map(|(leg, own)| (leg, own.leg.serial)), false),
-            parallel: at(record.parallel),
+            machine: Peaks::of_legs(record.t, own, record.parallel),
+            sliders: sliders.collect(),
             norm: at(record.torque_norm()),
             least_norm: at(record.least_norm()),
-            joint: extreme(&mut legs().map(joints), true),
+            joint: joint.unwrap_or((0, at(0.0))),
         }
     }
 
     /// Takes a later record in; of equals the earlier stays.
     pub(super) fn merge(&mut self, record: &RedundantRecord) {
         let new = Self::new(record);
-        for (old, new) in self.motors.iter_mut().zip(&new.motors) {
-            greater(&mut old.rate, new.rate);
-            greater(&mut old.torque, new.torque);
-            greater(&mut old.power, new.power);
-        }
+        self.machine.merge(&new.machine);
         for (old, new) in self.sliders.iter_mut().zip(&new.sliders) {
-            greater(&mut old.velocity, new.velocity);
-            greater(&mut old.force, new.force);
-            greater(&mut old.power, new.power);
+            old.velocity.grow(new.velocity);
+            old.force.grow(new.force);
+            old.power.grow(new.power);
         }
-        greater(&mut self.norm, new.norm);
-        greater(&mut self.least_norm, new.least_norm);
-        if new.serial.1.value < self.serial.1.value {
-            self.serial = new.serial;
-        }
-        if new.parallel.value < self.parallel.value {
-            self.parallel = new.parallel;
-        }
+        self.norm.grow(new.norm);
+        self.least_norm.grow(new.least_norm);
         if new.joint.1.value > self.joint.1.value {
             self.joint = new.joint;
         }
-    }
-}
-
-fn greater(old: &mut At, new: At) {
-    if new.value.abs() > old.value.abs() {
-        *old = new;
     }
 }

@@ -1,17 +1,17 @@
 //! `trirrr run` for a redundant machine.
 
+use super::document::played;
 use super::peaks::RedundantPeaks;
 use super::plant::{SimulatedMachine, claim_plant, simulate_plant};
+use super::read;
 use super::record::RedundantRecorder;
-use super::{json, read, summary};
 use crate::failure::CliError;
 use crate::histogram::Histogram;
 use crate::lagrange::{LagrangeColumns, LagrangeFound};
 use crate::realtime::{Deadlines, Pacer};
 use crate::results::ResultFolder;
 use crate::run::{JobEnd, RunArgs};
-use crate::terminal::{print, printed};
-use std::io;
+use crate::terminal::show;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -52,18 +52,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
         None => Path::new("out").join(&scene.name),
     };
     let report = play(&scene, args, &folder, stop)?;
-    match args.json {
-        true => print(&format!(
-            "{}\n",
-            json::summary(&args.scene, &scene, &report)
-        ))?,
-        false => printed(summary::print(
-            &mut io::stdout().lock(),
-            &args.scene,
-            &scene,
-            &report,
-        ))?,
-    }
+    show(&played(&args.scene, &scene, &report), args.json)?;
     let plant = report.plant.as_ref().map(|plant| &plant.outcome);
     let failure = plant.and_then(|outcome| outcome.failure.as_ref());
     match failure {

@@ -41,7 +41,7 @@ pub struct RunArgs {
     #[arg(long, value_parser = number_type())]
     pub scalar: Option<NumberType>,
     /// Print one JSON object instead of text
-    #[arg(long, conflicts_with = "tolerances")]
+    #[arg(long)]
     pub json: bool,
     /// After the run, bound the error at the tool and the torques for every machine within the
     /// scene's `[tolerances]`: prints the worst, writes tolerances.csv, tolerance_budget.csv and figures

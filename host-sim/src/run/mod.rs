@@ -2,11 +2,10 @@
 //! computer can.
 
 mod args;
-pub(crate) mod json;
+pub(crate) mod document;
 mod plant;
 mod play;
 mod progress;
-pub(crate) mod summary;
 mod tolerances;
 
 pub use args::RunArgs;
@@ -22,11 +21,10 @@ use crate::recording::{DriveRecorder, MotorLoad, Peaks, Recorded, RecordedDrives
 use crate::redundant;
 use crate::results::ResultFolder;
 use crate::supply::{MoveSupply, WAITING_CHUNKS};
-use crate::terminal::{print, printed};
+use crate::terminal::show;
 use plant::PlantRecorder;
 use play::{ClosedLoop, SentTick, play};
 use progress::ProgressDisplay;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, sync_channel};
@@ -211,32 +209,29 @@ fn run_job(
     report.files.extend(results.pictures()?);
     let why = report.reason();
     results.end(why.as_deref().map_or(Ok(()), Err))?;
-    if args.json {
-        let text = json::summary(file, scene, &report);
-        print(&format!("{text}\n"))?;
-        return ended(&report);
-    }
-    let mut out = io::stdout().lock();
-    printed(summary::print(&mut out, file, scene, &report))?;
-    if report.end != JobEnd::Complete {
-        return Ok(report.end);
-    }
-    if let Some(analysis) = analysis {
+    let mut document = document::document(file, scene, &report);
+    let mut files = report.all_files();
+    let mut end = ended(&report);
+    if let Some(analysis) = analysis.filter(|_| report.end == JobEnd::Complete) {
         results.end(Err("the tolerances are under way"))?;
         let bounded = tolerances::bound(scene, analysis, &mut results, stop)?;
-        results.pictures()?;
+        files.extend(bounded.files().iter().cloned().chain(results.pictures()?));
         let why = bounded.is_stopped().then(|| STOPPED.into());
         let why = why.or_else(|| report.reason());
         results.end(why.as_deref().map_or(Ok(()), Err))?;
-        printed(bounded.print(&mut out))?;
+        bounded.add_to(&mut document);
         if bounded.is_stopped() {
-            return Ok(JobEnd::Stopped);
+            end = Ok(JobEnd::Stopped);
         }
     }
-    if let Some(simulated) = &report.plant {
-        printed(plant::print(&mut out, simulated))?;
+    match &report.plant {
+        Some(simulated) => plant::add_to(&mut document, simulated),
+        None => {
+            document.data("plant", ());
+        }
     }
-    ended(&report)
+    show(document.files(files), args.json)?;
+    end
 }
 
 /// End of the job and of its plant.

@@ -3,15 +3,14 @@
 use super::StreamEnd;
 use crate::failure::CliError;
 use crate::recording::{DrivePeaks, Recorded};
-use crate::terminal::printed;
-use std::io::{self, Write};
+use crate::terminal::show;
 use std::path::Path;
 use trirrr_client::describe;
+use trirrr_figures::document::{Document, Facts};
 use trirrr_line::Address;
 use trirrr_protocol::message::{Identity, Status, Transmit};
 use trirrr_scene::NumberType;
 use trirrr_scene::Scene;
-use trirrr_scene::visible;
 use trirrr_scene::words::short;
 
 /// Contents of the summary.
@@ -66,17 +65,11 @@ impl Account {
 /// # Errors
 /// Failed: standard output cannot be written.
 pub(super) fn print(summary: &Summary) -> Result<(), CliError> {
-    printed(write(&mut io::stdout().lock(), summary))
+    show(&document(summary), false)
 }
 
-fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
+fn document(summary: &Summary) -> Document {
     let Summary { scene, scalar, .. } = summary;
-    let mut line = |label: &str, text: &str| writeln!(out, "{label:<12}{}", visible(text));
-    line(
-        "scene",
-        &format!("{} ({})", scene.name, summary.file.display()),
-    )?;
-    line("numbers", &scalar.to_string())?;
     let board = match summary.board {
         Some(identity) => format!(
             "{}, {} ticks per second",
@@ -85,39 +78,6 @@ fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
         ),
         None => "did not answer".into(),
     };
-    line("board", &format!("{board} ({})", summary.address))?;
-    if let Some(identity) = summary.board {
-        let board = &identity.board;
-        let firmware = describe::board::firmware(&identity.firmware);
-        line("firmware", &firmware)?;
-        if let Some(text) = describe::board::clock(board.clock) {
-            line("warning", text)?;
-        }
-        if let Some(text) = describe::board::reference(identity.reference) {
-            line("warning", text)?;
-        }
-        if board.start.is_failure() {
-            let why = describe::board::start(&board.start);
-            line("warning", &format!("why the board started last: {why}"))?;
-        }
-        if let Some(account) = &summary.status {
-            let longest = f64::from(account.longest_tick) / f64::from(board.timer_hz.max(1));
-            let period = short(1e6 / identity.tick_rate_hz);
-            if account.longest_tick > 0 {
-                let (longest, late) = (short(1e6 * longest), account.late_ticks);
-                let text = format!("the longest took {longest} of {period} us, {late} were late");
-                line("ticks", &text)?;
-            }
-            let seconds = |ticks: u32| short(f64::from(ticks) / identity.tick_rate_hz);
-            if account.longest_stop > 0 {
-                let text = format!(
-                    "the longest way to rest took {} s",
-                    seconds(account.longest_stop)
-                );
-                line("stops", &text)?;
-            }
-        }
-    }
     let (done, moves, item) = (summary.done, summary.moves, summary.item);
     let job = match summary.end {
         Some(StreamEnd::Complete) => format!("{done} of {moves} {item}s done"),
@@ -127,34 +87,79 @@ fn write(out: &mut dyn Write, summary: &Summary) -> io::Result<()> {
         Some(StreamEnd::Stopped) => format!("stopped before the first of {moves} {item}s"),
         None => format!("{done} of {moves} {item}s done, not complete"),
     };
-    line("job", &job)?;
     let (rows, missing) = (summary.recorded.rows, summary.missing);
     let every = match summary.every {
         1 => "one every tick".into(),
         every => format!("one every {every} ticks"),
     };
-    line("samples", &format!("{rows}, {every}, {missing} missing"))?;
-    if let Some(drives) = summary.drives {
-        drives.print(&mut line)?;
-    }
-    line(
-        "link",
-        &format!(
-            "{} requests repeated, {} frames damaged, port opened anew {} times",
-            summary.repeated, summary.damaged, summary.opened_anew
-        ),
-    )?;
-    if summary.differing > 0 {
-        let text = format!(
+    let link = format!(
+        "{} requests repeated, {} frames damaged, port opened anew {} times",
+        summary.repeated, summary.damaged, summary.opened_anew
+    );
+    let differing = (summary.differing > 0).then(|| {
+        format!(
             "in {} samples the motors are not where this scene puts them: the board computes with \
              another version, or its scene was overridden",
             summary.differing
+        )
+    });
+    let drives = summary.drives.map(DrivePeaks::record);
+    let files = summary.recorded.files.iter();
+    let record = Facts::new()
+        .text(
+            "scene",
+            format!("{} ({})", scene.name, summary.file.display()),
+        )
+        .text("numbers", scalar.to_string())
+        .text("board", format!("{board} ({})", summary.address))
+        .and(summary.board.map_or(Facts::new(), |identity| {
+            told(identity, summary.status.as_ref())
+        }))
+        .text("job", job)
+        .text("samples", format!("{rows}, {every}, {missing} missing"))
+        .and(drives.unwrap_or_default())
+        .text("link", link)
+        .text("warning", differing)
+        .text(
+            "written",
+            Vec::from_iter(files.map(|file| file.display().to_string())),
         );
-        line("warning", &text)?;
-    }
-    for (i, file) in summary.recorded.files.iter().enumerate() {
-        let label = if i == 0 { "written" } else { "" };
-        line(label, &file.display().to_string())?;
-    }
-    out.flush()
+    let mut document = Document::new();
+    document.pairs(record);
+    document
+}
+
+/// Account that a board gives of itself.
+fn told(identity: &Identity, account: Option<&Account>) -> Facts {
+    let board = &identity.board;
+    let start = board.start.is_failure().then(|| {
+        let why = describe::board::start(&board.start);
+        format!("why the board started last: {why}")
+    });
+    let clock = describe::board::clock(board.clock).map(String::from);
+    let reference = describe::board::reference(identity.reference).map(String::from);
+    let ticks = account
+        .filter(|account| account.longest_tick > 0)
+        .map(|account| {
+            let longest = f64::from(account.longest_tick) / f64::from(board.timer_hz.max(1));
+            let (longest, period) = (short(1e6 * longest), short(1e6 / identity.tick_rate_hz));
+            format!(
+                "the longest took {longest} of {period} us, {} were late",
+                account.late_ticks
+            )
+        });
+    let stops = account
+        .filter(|account| account.longest_stop > 0)
+        .map(|account| {
+            let longest = f64::from(account.longest_stop) / identity.tick_rate_hz;
+            format!("the longest way to rest took {} s", short(longest))
+        });
+    Facts::new()
+        .text("firmware", describe::board::firmware(&identity.firmware))
+        .text(
+            "warning",
+            Vec::from_iter([clock, reference, start].into_iter().flatten()),
+        )
+        .text("ticks", ticks)
+        .text("stops", stops)
 }

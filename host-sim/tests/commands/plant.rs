@@ -45,7 +45,7 @@ fn the_reference_scene_writes_its_table_and_reports() {
         "method",
         "deviation tool: peak",
         "joint 3: peak",
-        "torque N m",
+        "torque, N m",
         "energy",
     ] {
         assert!(said.contains(part), "no {part:?} in {said}");

@@ -3,7 +3,7 @@
 use super::CellGrid;
 
 /// Circle in the plane, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Disc {
     /// Centre, m.
     pub centre_m: [f64; 2],
@@ -12,7 +12,7 @@ pub struct Disc {
 }
 
 /// Rectangle along the axes, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Rectangle {
     /// Lower left corner, m.
     pub low_m: [f64; 2],

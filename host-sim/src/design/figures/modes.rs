@@ -1,8 +1,8 @@
 //! Peak torques of the working modes, side by side.
 
 use crate::design::study::{Study, largest};
-use crate::terminal::digits;
 use trirrr_figures::canvas::{BELOW, CENTRED, Drawn, RIGHT_OF, Size, page};
+use trirrr_figures::document::digits;
 use trirrr_figures::style::{FRAME, INK, LIMIT, MOTORS};
 
 const LEFT: f64 = 40.0;

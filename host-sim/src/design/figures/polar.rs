@@ -1,9 +1,9 @@
 //! Forces in the joints along the job as vectors in the axes of a link, for bearings and pins.
 
 use crate::design::study::Study;
-use crate::terminal::digits;
 use std::f64::consts::TAU;
 use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
+use trirrr_figures::document::digits;
 use trirrr_figures::scale::{Axis, Margin};
 use trirrr_figures::style::{FRAME, GRID, INK, MOTORS};
 

@@ -3,9 +3,9 @@
 use super::NamedFigure;
 use super::map::{LEFT, cells, field, map};
 use crate::design::study::Study;
-use crate::terminal::digits;
 use trirrr_design::loads::PoseLoads;
 use trirrr_figures::canvas::{Drawn, RIGHT_OF, Size};
+use trirrr_figures::document::digits;
 use trirrr_figures::style::{INK, tone};
 
 /// Shades of a map.

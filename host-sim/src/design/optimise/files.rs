@@ -1,14 +1,17 @@
 //! Files of a study, and its summary.
 
 use super::record::StudyRecord;
-use super::{DesignArgs, figures, page};
+use super::{
+    DesignArgs,
+    document::{add_machines, document},
+    figures,
+};
 use crate::failure::CliError;
 use crate::results::ResultFolder;
-use crate::terminal::{digits, print};
-use serde_json::{Value, json};
-use std::fmt::Write;
-use std::path::{Path, PathBuf};
-use trirrr_design::optimise::{Appraisal, Objective, StudyScene, best, front, with_values};
+use crate::terminal::print;
+use std::path::Path;
+use trirrr_design::optimise::{Appraisal, StudyScene, best, front, with_values};
+use trirrr_figures::document::{Facts, csv};
 use trirrr_scene::Scene;
 use trirrr_scene::read::Setting;
 
@@ -64,8 +67,13 @@ pub(super) fn write(
     mut results: ResultFolder,
 ) -> Result<(), CliError> {
     let result = StudyResult::of(record);
+    let figures = match result.best {
+        Some(_) => figures::all(study, record, &result),
+        None => Vec::new(),
+    };
+    let mut document = document(study, record, &result, &figures);
     let mut record = record.clone();
-    record.result = as_json(study, &result);
+    record.result = document.json();
     let json = serde_json::to_string_pretty(&record)
         .map_err(|error| CliError::Failed(error.to_string()))?;
     let json = format!("{json}\n");
@@ -77,12 +85,12 @@ pub(super) fn write(
             let rows = table(study, &result, Some(&result.front));
             results.write("front.csv", rows)?;
         }
-        let figures = figures::all(study, &record, &result);
         for (name, drawn) in &figures {
             results.write(&format!("{name}.svg"), drawn.as_str())?;
         }
-        let html = page::html(args, study, &record, &result, &figures);
-        results.write("study.html", html)?;
+        add_machines(&mut document, args, study, &record, &result);
+        let title = format!("{}: study", record.scene);
+        results.write("study.html", document.page(&title))?;
     }
     let end = match record.partial {
         true => Err("interrupted"),
@@ -97,7 +105,7 @@ pub(super) fn write(
     }
     match args.json {
         true => print(&json),
-        false => print(&summary(study, &record, &result, &results.files())),
+        false => print(&document.files(results.files()).text()),
     }
 }
 
@@ -150,120 +158,26 @@ pub(super) fn set_arguments(study: &StudyScene, each: &Appraisal) -> Vec<String>
     settings.iter().map(set).collect()
 }
 
-fn as_json(study: &StudyScene, result: &StudyResult) -> Value {
-    let of = |index: &usize| {
-        let each = &result.all[*index];
-        json!({
-            "candidate": index + 1,
-            "found": each.found.as_ref().ok(),
-            "set": set_arguments(study, each),
-        })
-    };
-    let feasible = result.all.iter().filter(|each| each.found.is_ok());
-    json!({
-        "feasible": feasible.count(),
-        "best": result.best.as_ref().map(of),
-        "best_is": if study.objectives.len() > 1 { "knee" } else { "optimum" },
-        "front": result.front.iter().map(of).collect::<Vec<_>>(),
-    })
-}
-
-/// Cell of a CSV table.
-fn cell(text: &str) -> String {
-    match text.contains([',', '"', '\n', '\r']) {
-        true => format!("\"{}\"", text.replace('"', "\"\"")),
-        false => text.to_owned(),
-    }
-}
-
 /// Table of all candidates, or of those of the front.
 fn table(study: &StudyScene, result: &StudyResult, only: Option<&[usize]>) -> String {
-    let mut heads = vec!["candidate".to_owned(), "mode".to_owned()];
-    heads.extend(study.space.ranges.iter().map(|range| cell(&range.name())));
-    heads.extend(study.objectives.iter().map(|each| each.column().to_owned()));
-    heads.extend(["shortfall".into(), "reason".into(), "best".into()]);
-    let mut text = heads.join(",") + "\n";
     let every: Vec<usize> = (0..result.all.len()).collect();
-    for &index in only.unwrap_or(&every) {
+    let row = |&index: &usize| {
         let Appraisal { point, found } = &result.all[index];
-        let mode = point.mode.map_or(String::new(), |mode| mode.to_string());
-        let mut cells = vec![(index + 1).to_string(), mode];
-        cells.extend(point.values.iter().map(|value| format!("{value:?}")));
-        match found {
-            Ok(found) => {
-                cells.extend(found.iter().map(|value| format!("{value:?}")));
-                cells.extend([String::new(), String::new()]);
-            }
-            Err(fault) => {
-                cells.extend(study.objectives.iter().map(|_| String::new()));
-                cells.extend([format!("{:?}", fault.shortfall), cell(&fault.reason)]);
-            }
+        let mut row = Facts::new().data("candidate", index + 1);
+        row = row.data("mode", point.mode.map(|mode| mode.to_string()));
+        for (range, value) in study.space.ranges.iter().zip(&point.values) {
+            row = row.data(range.name(), value);
         }
-        let is_best = Some(index) == result.best;
-        cells.push(if is_best { "1".into() } else { String::new() });
-        text += &(cells.join(",") + "\n");
-    }
-    text
-}
-
-/// A value and its unit.
-pub(super) fn value_in_words(objective: Objective, value: f64) -> String {
-    let [_, unit] = objective.words();
-    format!("{} {unit}", digits(value))
-}
-
-fn summary(
-    study: &StudyScene,
-    record: &StudyRecord,
-    result: &StudyResult,
-    files: &[PathBuf],
-) -> String {
-    let feasible = result.all.iter().filter(|each| each.found.is_ok()).count();
-    let mut text = format!(
-        "{}: {} candidates, {feasible} of them do the job{}\n",
-        record.scene,
-        result.all.len(),
-        match record.partial {
-            true => "; interrupted, so the best one so far",
-            false => "",
+        for (place, objective) in study.objectives.iter().enumerate() {
+            row = row.data(
+                objective.column(),
+                found.as_ref().ok().map(|found| found[place]),
+            );
         }
-    );
-    let best = result.best.map(|index| &result.all[index]);
-    for (index, objective) in study.objectives.iter().enumerate() {
-        let [words, _] = objective.words();
-        let before = match &record.own.found {
-            Some(found) => value_in_words(*objective, found[index]),
-            None => "none".into(),
-        };
-        let after = best.and_then(|each| Some(each.found.as_ref().ok()?[index]));
-        let after = after.map_or("none".into(), |value| value_in_words(*objective, value));
-        let _ = writeln!(text, "{words:<30} {before:>14} -> {after}");
-    }
-    if let Some(reason) = &record.own.reason {
-        let _ = writeln!(text, "the scene itself: {reason}");
-    }
-    if study.objectives.len() > 1 {
-        let _ = writeln!(
-            text,
-            "front: {} candidates that no other one beats; the best is its knee",
-            result.front.len()
-        );
-    }
-    if let Some(each) = best {
-        if let Some(mode) = each.point.mode {
-            let _ = writeln!(text, "working mode {mode}");
-        }
-        for (range, value) in study.space.ranges.iter().zip(&each.point.values) {
-            let at = match *value {
-                value if value == range.low => "  (its least)",
-                value if value == range.high => "  (its greatest)",
-                _ => "",
-            };
-            let _ = writeln!(text, "{} = {value}{at}", range.name());
-        }
-    }
-    for file in files {
-        let _ = writeln!(text, "wrote {}", file.display());
-    }
-    text
+        let fault = found.as_ref().err();
+        row.data("shortfall", fault.map(|fault| fault.shortfall))
+            .data("reason", fault.map(|fault| &fault.reason))
+            .data("best", (Some(index) == result.best).then_some(1))
+    };
+    csv(&only.unwrap_or(&every).iter().map(row).collect::<Vec<_>>())
 }

@@ -1,8 +1,8 @@
 //! `trirrr design --vary`: looks for the machine that does a job best.
 
+mod document;
 mod figures;
 mod files;
-mod page;
 mod record;
 
 use super::DesignArgs;

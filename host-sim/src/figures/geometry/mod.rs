@@ -148,7 +148,7 @@ impl Posed<'_> {
             let from = view.at(self.place());
             let to = tip(from, force.x, force.y, 58.0);
             canvas.arrow(&[from, to], INK, 2.0)?;
-            let text = format!("force {} N", crate::terminal::digits(force.norm()));
+            let text = format!("force {} N", trirrr_figures::document::digits(force.norm()));
             named(canvas, &text, (to.0, to.1 + 13.0))?;
         }
         let links = self.record.legs.iter().zip(&self.parameters.legs);

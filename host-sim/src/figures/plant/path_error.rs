@@ -66,7 +66,7 @@ pub(super) fn draw(heading: &str, points: &[(f64, [f64; 4])]) -> Drawn {
             .iter()
             .map(|point| size(error(point)))
             .fold(0.0, f64::max);
-        let most = crate::terminal::digits(1e3 * most);
+        let most = trirrr_figures::document::digits(1e3 * most);
         text(2.0, &format!("error, at most {most} mm"))
     })
 }

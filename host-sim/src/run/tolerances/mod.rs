@@ -1,6 +1,6 @@
 //! The part of a run that bounds what the scene's tolerances do.
 
-mod print;
+mod document;
 
 use crate::failure::CliError;
 use crate::figures::ToleranceTraces;
@@ -189,5 +189,10 @@ impl Bounded<'_> {
     /// Returns `true` if the user ended the analysis.
     pub(super) fn is_stopped(&self) -> bool {
         self.is_stopped
+    }
+
+    /// Files that were written.
+    pub(super) fn files(&self) -> &[PathBuf] {
+        &self.files
     }
 }

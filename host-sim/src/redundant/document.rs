@@ -1,0 +1,190 @@
+//! Checks and runs of redundant machines as documents.
+
+use super::peaks::RedundantPeaks;
+use super::plant::SimulatedMachine;
+use super::play::RedundantReport;
+use super::{kind_text, placement_text, slider_texts};
+use crate::run::JobEnd;
+use crate::run::document::{PlayedJob, add_lagrange, add_peaks, at, counted, signal};
+use std::path::Path;
+use trirrr_figures::document::{Document, Facts, digits, quantity};
+use trirrr_linkage::redundant::scene::RedundantScene;
+use trirrr_scene::words::tick_time;
+
+/// Kind of the machine, and its sliders at the start of the job.
+fn machine(scene: &RedundantScene) -> Facts {
+    let legs = scene.sliders.iter().zip(1..);
+    let sliders = legs.filter_map(|(slider, leg): (_, u32)| {
+        let slider = slider.as_ref()?;
+        let record = Facts::new()
+            .data("leg", leg)
+            .data("position_m", slider.position_m);
+        Some(record.data("placed", slider.is_placed))
+    });
+    let placement = scene.placement.as_ref().map(|placement| {
+        Facts::new()
+            .data("distance_before", placement.before)
+            .data("distance_after", placement.after)
+            .data("looked_at", placement.looked_at)
+    });
+    let record = Facts::new()
+        .data("kind", scene.kind.name())
+        .rows("sliders", sliders);
+    record.data("placement", placement)
+}
+
+fn machine_texts(scene: &RedundantScene) -> impl Iterator<Item = String> {
+    let own = std::iter::once(kind_text(scene.kind));
+    own.chain(slider_texts(scene)).chain(placement_text(scene))
+}
+
+/// A scene that is good.
+pub(super) fn checked(scene: &RedundantScene) -> Document {
+    let mut document = Document::new();
+    let moves = scene.job.moves.len();
+    let (duration_s, ticks) = (scene.duration_s(), scene.ticks());
+    let job = format!(
+        "{}, {} s: {ticks} ticks at {} Hz in f64",
+        counted(moves, "move"),
+        tick_time(duration_s),
+        scene.tick_rate_hz
+    );
+    document.note(format!("{}: good", scene.name));
+    let mut texts: Vec<String> = machine_texts(scene).collect();
+    texts.insert(1, job);
+    for text in texts {
+        document.note(text);
+    }
+    document.pairs(
+        machine(scene)
+            .data("scene", &scene.name)
+            .data("description", &scene.description)
+            .data("tick_rate_hz", scene.tick_rate_hz)
+            .data("moves", moves)
+            .data("ticks", ticks)
+            .data("duration_s", duration_s),
+    );
+    document
+}
+
+/// The run of `scene`, read from `file`.
+pub(super) fn played(file: &Path, scene: &RedundantScene, report: &RedundantReport) -> Document {
+    let end = match report.is_complete {
+        true => JobEnd::Complete,
+        false => JobEnd::Stopped,
+    };
+    let played = PlayedJob {
+        name: &scene.name,
+        description: &scene.description,
+        file,
+        moves: scene.job.moves.len(),
+        ticks: scene.ticks(),
+        rate_hz: scene.tick_rate_hz,
+        setpoints: report.rows,
+        elapsed: report.elapsed,
+        computation: &report.computation,
+        deadlines: report.deadlines.as_ref(),
+        end: &end,
+    };
+    let mut document = Document::new();
+    let head = played
+        .scene()
+        .data("number", "f64")
+        .text("machine", machine_texts(scene).collect::<Vec<_>>());
+    document.pairs(head.and(machine(scene)).and(played.job(None)));
+    match &report.peaks {
+        Some(peaks) => add_peaks(&mut document, &peaks.machine, true, &[], |document| {
+            add_redundant(document, peaks);
+        }),
+        None => {
+            document.data("motors", ());
+        }
+    }
+    add_lagrange(&mut document, report.lagrange.as_ref());
+    document.pairs(played.times());
+    match &report.plant {
+        Some(simulated) => document.pairs_in("plant", plant(scene, simulated)),
+        None => document.data("plant", ()),
+    };
+    document.files(report.all_files());
+    document
+}
+
+/// Extremes that a 3-RRR does not have.
+fn add_redundant(document: &mut Document, peaks: &RedundantPeaks) {
+    let sliders = peaks.sliders.iter().map(|slider| {
+        let number = slider.leg + 1;
+        Facts::new()
+            .worded("leg", "", number, format!("slider {number}"))
+            .group("peak_velocity_m_s", "peak velocity", at(slider.velocity))
+            .group("peak_force_n", "peak force", at(slider.force))
+            .group("peak_power_w", "peak power", at(slider.power))
+    });
+    document.table("slider_peaks", sliders.collect());
+    let (leg, joint) = peaks.joint;
+    let is_loaded = peaks.norm.value > peaks.least_norm.value * (1.0 + 1e-9);
+    let least = at(peaks.least_norm);
+    let without = is_loaded.then(|| format!("without preload {}", least.line_in(Some("N m"))));
+    document.pairs(
+        Facts::new()
+            .group("torque_norm_max_nm", "torque norm", at(peaks.norm))
+            .text("", without)
+            .data("torque_norm_max_without_preload_nm", least)
+            .group(
+                "joint_force_max_n",
+                "joint force",
+                at(joint).text("leg", (leg + 1).to_string()),
+            ),
+    );
+}
+
+fn plant(scene: &RedundantScene, simulated: &SimulatedMachine) -> Facts {
+    let outcome = &simulated.outcome;
+    let steps = outcome.steps;
+    let (label, end) = match &outcome.failure {
+        Some(failure) => ("  failed", failure.clone()),
+        None if outcome.is_stopped => ("  stopped", "by Ctrl-C".into()),
+        None => ("", String::new()),
+    };
+    let legs = (0..scene.legs.len()).filter(|&leg| scene.sliders[leg].is_some());
+    let torques = (1..)
+        .zip(&outcome.torques)
+        .map(|(leg, own): (usize, _)| ("  motor", leg, "N m", own));
+    let forces = legs
+        .zip(&outcome.forces)
+        .map(|(leg, own)| ("  slider", leg + 1, "N", own));
+    let record = Facts::new()
+        .worded(
+            "simulated_s",
+            "plant",
+            outcome.simulated_s,
+            format!(
+                "{} simulated in {steps} steps",
+                quantity(outcome.simulated_s, "s")
+            ),
+        )
+        .data("steps", steps)
+        .worded("reason", label, &outcome.failure, end)
+        .group("path_error_m", "  path", signal(&outcome.path_error))
+        .group("angle_error_rad", "  angle", signal(&outcome.angle_error));
+    let record = torques
+        .chain(forces)
+        .fold(record, |record, (what, number, unit, own)| {
+            record.text(format!("{what} {number}"), signal(own).line_in(Some(unit)))
+        });
+    let energy = format!(
+        "work {} J, stored {} J, lost {} J; {} J are missing",
+        digits(outcome.work_j),
+        digits(outcome.stored_j),
+        digits(outcome.lost_j),
+        digits(outcome.balance_error_j())
+    );
+    record
+        .rows("torques_nm", outcome.torques.iter().map(signal))
+        .rows("forces_n", outcome.forces.iter().map(signal))
+        .text("  energy", energy)
+        .data("work_j", outcome.work_j)
+        .data("stored_j", outcome.stored_j)
+        .data("lost_j", outcome.lost_j)
+        .data("balance_error_j", outcome.balance_error_j())
+}
