@@ -1,6 +1,6 @@
 //! `trirrr calibrate` and `trirrr identify`: results, files and refusals.
 
-use crate::common::{json, trirrr};
+use crate::common::{json, keeps_schema, trirrr};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -253,6 +253,7 @@ fn masses_and_friction_of_a_simulated_machine_are_found() {
     ]
     .concat();
     let found = json(&trirrr(&folder, &arguments));
+    keeps_schema("identify", std::slice::from_ref(&found));
     let parameters = found["parameters"].as_array().unwrap();
     for (parameter, real) in parameters.iter().zip(platform) {
         let (value, deviation) = (number(&parameter["value"]), number(&parameter["deviation"]));

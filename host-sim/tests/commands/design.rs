@@ -1,6 +1,6 @@
 //! `trirrr design`: what its report says, against what other commands say.
 
-use crate::common::{json, trirrr};
+use crate::common::{json, keeps_schema, trirrr};
 use std::fs;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -23,6 +23,7 @@ fn the_mode_of_the_scene_is_as_it_is_run_and_planned() {
         &folder,
         &["design", &engraving, "--json", "--cells", "64"],
     ));
+    keeps_schema("design", std::slice::from_ref(&design));
     let run = json(&trirrr(
         &folder,
         &["run", "--fast", "--json", "--scalar", "f64", &engraving],

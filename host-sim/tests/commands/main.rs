@@ -19,6 +19,7 @@ mod raster;
 mod redundant;
 mod results;
 mod run;
+mod schemas;
 mod study;
 mod tolerances;
 mod tutorial;

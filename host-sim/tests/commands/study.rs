@@ -1,6 +1,6 @@
 //! `trirrr design --vary`: the machine that does a job best, against loops over `trirrr run`.
 
-use crate::common::json;
+use crate::common::{json, keeps_schema};
 use serde_json::Value;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -54,6 +54,7 @@ fn the_working_mode_is_found_and_halves_the_peak_torque() {
     let folder = TempDir::new().unwrap();
     let lift = scene("design/lift.toml");
     let found = study(&folder, &[&lift, "--vary", "mode", "--for", "torque"]);
+    keeps_schema("design-vary", std::slice::from_ref(&found));
     // By hand: each mode played as a scene of its own.
     let mut peaks = Vec::new();
     for mode in 0..8 {
