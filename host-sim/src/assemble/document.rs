@@ -55,13 +55,10 @@ pub(super) fn document(modes: &Modes) -> Document {
     document.pairs(
         Facts::new()
             .pair("scene", "scene", &modes.scene.name)
-            .worded(
-                "motor_angles_rad",
-                "motor angles",
-                modes.angles_rad,
-                format!("{} deg, {}", degrees.join(", "), modes.given),
-            )
-            .worded("completeness", "list", name, words)
+            .pair("motor_angles_rad", "motor angles", modes.angles_rad)
+            .words(format!("{} deg, {}", degrees.join(", "), modes.given))
+            .pair("completeness", "list", name)
+            .words(words)
             .data("chosen", modes.chosen),
     );
     document.heading(format!("assembly modes: {}", found.modes.len()));
@@ -82,13 +79,10 @@ pub(super) fn document(modes: &Modes) -> Document {
             .derived("alpha", "deg", alpha.to_degrees())
             .decimals(4)
             .and(machine(elbows_of(&mode.record), &mode.record))
-            .worded(
-                "residual_m",
-                "residual, m",
-                mode.residual_m,
-                format!("{:.1e}", mode.residual_m),
-            )
-            .worded("double", "note", mode.double, double)
+            .pair("residual_m", "residual, m", mode.residual_m)
+            .words(format!("{:.1e}", mode.residual_m))
+            .pair("double", "note", mode.double)
+            .words(double)
             .data("scene", own)
             .marked(*own)
     });
@@ -123,8 +117,10 @@ pub(super) fn document(modes: &Modes) -> Document {
 fn machine(elbows: [Option<Elbow>; 3], record: &Record) -> Facts {
     let numbers = elbows.map(|elbow| elbow.map_or(0, |elbow| elbow.sign() as i32));
     let row = Facts::new()
-        .worded("elbows", "elbows", numbers, signs(elbows))
-        .worded("det_a", "det A", record.det_a, side(record))
+        .pair("elbows", "elbows", numbers)
+        .words(signs(elbows))
+        .pair("det_a", "det A", record.det_a)
+        .words(side(record))
         .pair("parallel_distance", "parallel", record.parallel)
         .decimals(6)
         .data("pose", record.pose)

@@ -60,7 +60,8 @@ impl CalibratedBoard {
             pose(stood)
         );
         Facts::new()
-            .worded("stands", "board", stands, text)
+            .pair("stands", "board", stands)
+            .words(text)
             .data("stood", stood)
             .data("offsets_rad", self.offsets_rad)
     }

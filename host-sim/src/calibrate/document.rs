@@ -29,7 +29,8 @@ fn error(error: &PoseError) -> Facts {
     Facts::new()
         .pair("rms_m", "RMS", error.rms_m)
         .pair("worst_m", "worst", error.worst_m)
-        .worded("worst_at", "at", error.worst_at, place)
+        .pair("worst_at", "at", error.worst_at)
+        .words(place)
         .pair("rms_rad", "angle RMS", error.rms_rad)
         .data("worst_rad", error.worst_rad)
 }
@@ -93,12 +94,8 @@ pub(super) fn document(
     document.pairs(
         Facts::new()
             .pair("scene", "scene", &findings.scene.name)
-            .worded(
-                "region.area_m2",
-                "workspace",
-                region.safe.area_m2(),
-                workspace,
-            )
+            .pair("region.area_m2", "workspace", region.safe.area_m2())
+            .words(workspace)
             .data("region.turn_rad", region.turn_rad)
             .data("region.margin", region.margin),
     );
@@ -186,18 +183,10 @@ fn found(document: &mut Document, it: &Calibration, written: &CalibrateFiles) {
     document.pairs_in(
         "calibration",
         Facts::new()
-            .worded(
-                "rows",
-                "rows",
-                it.rows.len(),
-                format!("{} with {values} values", it.rows.len()),
-            )
-            .worded(
-                "directions.seen",
-                "seen",
-                seen,
-                format!("{seen} of {of} directions of the free parameters"),
-            )
+            .pair("rows", "rows", it.rows.len())
+            .words(format!("{} with {values} values", it.rows.len()))
+            .pair("directions.seen", "seen", seen)
+            .words(format!("{seen} of {of} directions of the free parameters"))
             .data("directions.free", of)
             .data("directions.signal_to_noise", &it.ratios)
             .data("directions.blind", &it.blind)
@@ -205,12 +194,8 @@ fn found(document: &mut Document, it: &Calibration, written: &CalibrateFiles) {
             .text("held", held.concat())
             .text("outlier", left_out)
             .rows("outliers", outliers)
-            .worded(
-                "noise_factor",
-                "noise",
-                it.noise_factor,
-                format!("{} of what was given", digits(it.noise_factor)),
-            )
+            .pair("noise_factor", "noise", it.noise_factor)
+            .words(format!("{} of what was given", digits(it.noise_factor)))
             .text(
                 "residuals",
                 compared(residuals[0].clone(), residuals[1].clone()).to_vec(),
@@ -241,18 +226,10 @@ fn found(document: &mut Document, it: &Calibration, written: &CalibrateFiles) {
             .decimals(6)
             .pair("unit", "", unit)
             .text("change", quantity(value - nominal, unit))
-            .worded(
-                "deviation",
-                "deviation",
-                it.deviations[index],
-                quantity(it.deviations[index], unit),
-            )
-            .worded(
-                "seen",
-                "seen",
-                it.shares[index],
-                format!("{:.0} %", 100.0 * it.shares[index]),
-            )
+            .pair("deviation", "deviation", it.deviations[index])
+            .words(quantity(it.deviations[index], unit))
+            .pair("seen", "seen", it.shares[index])
+            .words(format!("{:.0} %", 100.0 * it.shares[index]))
             .data("nominal", nominal)
             .data("unlikely", it.unlikely.contains(&index))
     };

@@ -51,20 +51,9 @@ pub(super) fn document(
         "Values at the centres of cells, at rest and without friction. Near a serial singularity the motors have to be fast; \
          near the parallel one they have to be strong, and the platform is hardly held.",
     );
-    draw(
-        &mut document,
-        &[
-            "singularities",
-            "rates",
-            "forces",
-            "torques",
-            "force_limit",
-            "compliance",
-            "accuracy",
-            "tolerances",
-            "angle_loads",
-        ],
-    );
+    let maps =
+        "singularities rates forces torques force_limit compliance accuracy tolerances angle_loads";
+    draw(&mut document, &Vec::from_iter(maps.split(' ')));
     loads(&mut document, study);
     document.page_heading("Velocity ratios along the job");
     document.page_note("The source divides the platform's rates by each motor's. These ratios depend on the motion; the Jacobian below depends on the pose alone.");
@@ -101,12 +90,8 @@ fn modes(document: &mut Document, study: &Study) {
         // Of a mode that ends early, the peaks of a part would be taken for those of the job.
         let whole = row.result.figures.filter(|_| row.is_feasible());
         Facts::new()
-            .worded(
-                "elbows",
-                "elbows",
-                signs(row.result.elbows),
-                row.result.name(),
-            )
+            .pair("elbows", "elbows", signs(row.result.elbows))
+            .words(row.result.name())
             .pair("duration_s", "time", row.duration_s)
             .pair(
                 "peak_torque_nm",
@@ -148,12 +133,8 @@ fn map(study: &Study, map: &Workspace) -> Facts {
         .data("area_lower_m2", lower)
         .data("area_upper_m2", upper)
         .text("", format!("{:.2} to {:.2} cm^2", 1e4 * lower, 1e4 * upper))
-        .worded(
-            "undecided",
-            "of the map undecided",
-            map.undecided(),
-            format!("{:.3} %", 100.0 * map.undecided()),
-        )
+        .pair("undecided", "of the map undecided", map.undecided())
+        .words(format!("{:.3} %", 100.0 * map.undecided()))
 }
 
 /// Workspace, and the largest circle and rectangle in it.
@@ -278,12 +259,8 @@ fn motor((place, row): (usize, &MotorRow)) -> Facts {
         .pair("name", "motor", &motor.name)
         .pair("gear_ratio", "gear", candidate.gear_ratio)
         .pair("supply_v", "supply", motor.supply_v)
-        .worded(
-            "supply_needed_v",
-            "needed, V",
-            candidate.supply_needed_v,
-            needed,
-        )
+        .pair("supply_needed_v", "needed, V", candidate.supply_needed_v)
+        .words(needed)
         .page_only()
         .pair("curve", "curve", motor.curve_source())
         .page_only()

@@ -77,25 +77,18 @@ pub(super) fn document(scene: &Scene, found: &Identification, written: &Identify
             .pair("torques", "torques", found.torques.len())
             .pair("period_s", "period", found.period_s)
             .pair("width_s", "filter", found.width_s)
-            .worded(
-                "directions.seen",
-                "seen",
-                seen,
-                format!("{seen} of {of} directions of the free parameters"),
-            )
+            .pair("directions.seen", "seen", seen)
+            .words(format!("{seen} of {of} directions of the free parameters"))
             .data("directions.free", of)
             .data("directions.signal_to_noise", &found.ratios)
             .data("directions.blind", &found.blind)
             .data("directions.weak", &found.weak)
             .text("held", held.concat())
             .data("at_zero", at_zero)
-            .worded(
-                "residual_nm",
-                "residuals",
-                found.residual_nm,
-                format!("{} (RMS)", pair(found.residual_nm)),
-            )
-            .worded("check_nm", "check", found.check_nm, check)
+            .pair("residual_nm", "residuals", found.residual_nm)
+            .words(format!("{} (RMS)", pair(found.residual_nm)))
+            .pair("check_nm", "check", found.check_nm)
+            .words(check)
             .data("friction.viscous_nm_s_rad", viscous)
             .data("friction.coulomb_nm", coulomb)
             .data("friction_in", written.friction_in)
@@ -110,12 +103,8 @@ pub(super) fn document(scene: &Scene, found: &Identification, written: &Identify
             .pair("nominal", "was", found.nominal.0[index])
             .pair("value", "found", found.values.0[index])
             .pair("deviation", "deviation", found.deviations[index])
-            .worded(
-                "seen",
-                "seen",
-                found.shares[index],
-                format!("{:.0} %", 100.0 * found.shares[index]),
-            )
+            .pair("seen", "seen", found.shares[index])
+            .words(format!("{:.0} %", 100.0 * found.shares[index]))
     };
     document.table("parameters", found.free.iter().map(parameter).collect());
     document

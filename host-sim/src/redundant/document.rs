@@ -115,7 +115,8 @@ fn add_redundant(document: &mut Document, peaks: &RedundantPeaks) {
     let sliders = peaks.sliders.iter().map(|slider| {
         let number = slider.leg + 1;
         Facts::new()
-            .worded("leg", "", number, format!("slider {number}"))
+            .pair("leg", "", number)
+            .words(format!("slider {number}"))
             .group("peak_velocity_m_s", "peak velocity", at(slider.velocity))
             .group("peak_force_n", "peak force", at(slider.force))
             .group("peak_power_w", "peak power", at(slider.power))
@@ -154,17 +155,14 @@ fn plant(scene: &RedundantScene, simulated: &SimulatedMachine) -> Facts {
         .zip(&outcome.forces)
         .map(|(leg, own)| ("  slider", leg + 1, "N", own));
     let record = Facts::new()
-        .worded(
-            "simulated_s",
-            "plant",
-            outcome.simulated_s,
-            format!(
-                "{} simulated in {steps} steps",
-                quantity(outcome.simulated_s, "s")
-            ),
-        )
+        .pair("simulated_s", "plant", outcome.simulated_s)
+        .words(format!(
+            "{} simulated in {steps} steps",
+            quantity(outcome.simulated_s, "s")
+        ))
         .data("steps", steps)
-        .worded("reason", label, &outcome.failure, end)
+        .pair("reason", label, &outcome.failure)
+        .words(end)
         .group("path_error_m", "  path", signal(&outcome.path_error))
         .group("angle_error_rad", "  angle", signal(&outcome.angle_error));
     let record = torques

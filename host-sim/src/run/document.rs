@@ -39,7 +39,8 @@ impl PlayedJob<'_> {
     pub(crate) fn scene(&self) -> Facts {
         let words = format!("{} ({})", self.name, self.file.display());
         Facts::new()
-            .worded("scene", "scene", self.name, words)
+            .pair("scene", "scene", self.name)
+            .words(words)
             .data("file", self.file)
             .text("", self.description)
     }
@@ -88,8 +89,10 @@ impl PlayedJob<'_> {
             .data("duration_s", duration_s)
             .text("a hold", hold)
             .data("setpoints", self.setpoints)
-            .worded("elapsed_s", "ran", took, ran)
-            .worded("end", label, name, words)
+            .pair("elapsed_s", "ran", took)
+            .words(ran)
+            .pair("end", label, name)
+            .words(words)
             .data("reason", reason)
     }
 
@@ -109,12 +112,8 @@ impl PlayedJob<'_> {
                 late.as_ref()
                     .map(|_| "(jitter: how long after its time a tick began)".to_owned()),
             )
-            .worded(
-                "late_ticks",
-                "late ticks",
-                self.deadlines.map(|it| it.late),
-                late.unwrap_or_default(),
-            )
+            .pair("late_ticks", "late ticks", self.deadlines.map(|it| it.late))
+            .words(late.unwrap_or_default())
     }
 }
 
@@ -140,7 +139,8 @@ pub(crate) fn at(at: At) -> Facts {
     let time = format!("{} s", tick_time(at.t));
     Facts::new()
         .pair("value", "", at.value)
-        .worded("t_s", "at t =", at.t, time)
+        .pair("t_s", "at t =", at.t)
+        .words(time)
 }
 
 /// Adds the peaks of the motors, with their loads where they are known, and `more` extremes. A scene without torques has rates only.
@@ -193,7 +193,8 @@ pub(crate) fn signal(signal: &Signal) -> Facts {
     let time = format!("{} s", tick_time(signal.peak_t));
     Facts::new()
         .pair("peak", "peak", signal.peak)
-        .worded("t_s", "at t =", signal.peak_t, time)
+        .pair("t_s", "at t =", signal.peak_t)
+        .words(time)
         .pair("rms", "rms", signal.rms())
 }
 
@@ -226,7 +227,8 @@ pub(super) fn document(file: &Path, scene: &Scene, report: &RunReport) -> Docume
     document.pairs(
         played
             .scene()
-            .worded("number", "numbers", numbers.0, numbers.1)
+            .pair("number", "numbers", numbers.0)
+            .words(numbers.1)
             .and(played.job(hold)),
     );
     match &report.peaks {

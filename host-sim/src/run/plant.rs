@@ -228,22 +228,15 @@ pub(super) fn add_to(document: &mut Document, simulated: &Simulated) {
     document.pairs_in(
         "plant",
         Facts::new()
-            .worded(
-                "simulated_s",
-                "plant",
-                outcome.simulated_s,
-                format!(
-                    "{simulated_words} simulated in {took}: {ratio} times faster than real time"
-                ),
-            )
+            .pair("simulated_s", "plant", outcome.simulated_s)
+            .words(format!(
+                "{simulated_words} simulated in {took}: {ratio} times faster than real time"
+            ))
             .data("elapsed_s", took_s)
-            .worded("reason", label, simulated.reason(), end)
-            .worded(
-                "method",
-                "  method",
-                method.name(),
-                format!("{}, {how}", method.name()),
-            )
+            .pair("reason", label, simulated.reason())
+            .words(end)
+            .pair("method", "  method", method.name())
+            .words(format!("{}, {how}", method.name()))
             .text("", Vec::from_iter(reasons))
             .data("steps", tally.steps)
             .data("warnings", &outcome.warnings)

@@ -154,25 +154,18 @@ impl Facts {
         with.last(|field| field.reader = Reader::Program)
     }
 
-    /// Adds a value, and lines of words for it.
+    /// Shows the last value by these words.
     #[must_use]
-    pub fn worded(
-        self,
-        key: impl Name,
-        label: impl Name,
-        value: impl Serialize,
-        words: impl Words,
-    ) -> Self {
+    pub fn words(self, words: impl Words) -> Self {
         let mut lines = words.lines();
         lines.retain(|line| !line.is_empty());
-        let with = self.pair(key, label, value);
-        with.last(|field| field.given = Some(lines))
+        self.last(|field| field.given = Some(lines))
     }
 
     /// Adds lines of words that follow from other values.
     #[must_use]
     pub fn text(self, label: impl Name, words: impl Words) -> Self {
-        self.worded("", label, (), words)
+        self.pair("", label, ()).words(words)
     }
 
     /// Adds an array for programs.
@@ -197,7 +190,7 @@ impl Facts {
         let first = fields
             .as_ref()
             .and_then(|fields| fields.all.first()?.value.as_f64());
-        let with = self.worded(key, label, fields, line);
+        let with = self.pair(key, label, fields).words(line);
         with.last(|field| field.first = first)
     }
 

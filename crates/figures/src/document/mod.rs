@@ -125,7 +125,7 @@ impl Document {
         let mut root = Map::new();
         for (_, section) in &self.sections {
             match section {
-                Section::Pairs { key, facts } if key.is_empty() => facts.json_into(&mut root),
+                Section::Pairs { key: "", facts } => facts.json_into(&mut root),
                 Section::Pairs { key, facts } => facts::insert(&mut root, key, json!(facts)),
                 Section::Table { key, rows } if !key.is_empty() => {
                     facts::insert(&mut root, key, json!(rows));

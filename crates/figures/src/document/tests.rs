@@ -11,7 +11,8 @@ fn document() -> Document {
     let mut document = Document::new();
     document.pairs(
         Facts::new()
-            .worded("scene", "scene", "thesis", "thesis (a\nb.toml)")
+            .pair("scene", "scene", "thesis")
+            .words("thesis (a\nb.toml)")
             .pair("width_m", "width", 0.000_123)
             .group("error_m", "error", peak(0.002, 1.25))
             .pair("end.reason", "reason", None::<String>)

@@ -51,7 +51,8 @@ impl Bounded<'_> {
             "a singularity may be too near",
         );
         let record = Facts::new()
-            .worded("intervals", "tolerances", spans, text)
+            .pair("intervals", "tolerances", spans)
+            .words(text)
             .text("  within", self.half_widths())
             .text("  unbounded", error)
             .text(
