@@ -27,6 +27,7 @@ pub mod completions;
 #[cfg(feature = "full")]
 pub mod design;
 pub mod device;
+mod dialogue;
 #[cfg(feature = "full")]
 pub mod eval;
 #[cfg(feature = "full")]

@@ -1,7 +1,8 @@
 //! `trirrr update`: replaces the program of a board over its line.
 
+use crate::dialogue::carry;
 use crate::failure::CliError;
-use crate::stream::{Port, PortArgs, conversation, patience};
+use crate::stream::{PortArgs, conversation, patience};
 use crate::terminal::print;
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -9,14 +10,12 @@ use object::Endianness;
 use object::elf::PT_LOAD;
 use object::read::elf::{ElfFile32, ProgramHeader};
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
-use trirrr_client::{ProgramImage, UpdateAction, UpdateClient, describe};
-use trirrr_protocol::message::Identity;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+use trirrr_client::{Dialogue, ProgramImage, Turn, UpdateClient, UpdateFailure, describe};
+use trirrr_line::Retry;
+use trirrr_protocol::message::{Identity, Message};
 use trirrr_scene::read::files;
-
-/// Longest wait for the board before Ctrl-C is looked at.
-const LOOK: Duration = Duration::from_millis(20);
 
 /// Time without the port, or without an answer, after which the command gives up.
 pub(crate) const PATIENCE: Duration = Duration::from_secs(10);
@@ -75,65 +74,22 @@ pub(crate) struct UpdateWords {
 /// # Errors
 /// Failed: the port, the client, or Ctrl-C. What `check` says.
 pub(crate) fn bring(
-    mut client: UpdateClient<f64>,
+    client: UpdateClient<f64>,
     line: &PortArgs,
     words: &UpdateWords,
     check: &dyn Fn(&Identity) -> Result<(), CliError>,
     stop: &AtomicBool,
 ) -> Result<(), CliError> {
-    let mut port = Port::open(line, PATIENCE)?;
-    let start = Instant::now();
-    let bar = bar(client.progress().1);
-    let mut is_told = false;
-    loop {
-        if stop.load(Ordering::Relaxed) {
-            bar.abandon();
-            return Err(CliError::Failed(format!(
-                "ended by Ctrl-C: {}",
-                words.ended
-            )));
-        }
-        if let (Some(identity), false) = (client.identity(), is_told) {
-            is_told = true;
-            let firmware = describe::board::firmware(&identity.firmware);
-            bar.suspend(|| print(&format!("board       {firmware}\n")))?;
-            if let Err(refused) = check(identity) {
-                bar.abandon();
-                return Err(refused);
-            }
-        }
-        bar.set_position(client.progress().0.into());
-        if client.is_restarting() {
-            bar.set_message(words.waiting);
-        }
-        match client.poll(start.elapsed()) {
-            UpdateAction::Send(request) => {
-                if let Err(error) = port.send(&request) {
-                    reopen(&mut port, &mut client, &error.to_string(), stop)?;
-                }
-            }
-            UpdateAction::Wait(until) => {
-                let wait = until.saturating_sub(start.elapsed()).min(LOOK);
-                match port.receive::<f64>(wait) {
-                    Ok(messages) => {
-                        for message in messages {
-                            client.receive(&message, start.elapsed());
-                        }
-                    }
-                    Err(error) => reopen(&mut port, &mut client, &error.to_string(), stop)?,
-                }
-            }
-            UpdateAction::Lost => {
-                reopen(&mut port, &mut client, "the board does not answer", stop)?
-            }
-            UpdateAction::Finished(result) => {
-                bar.finish_and_clear();
-                result.map_err(|failure| CliError::Failed(failure.describe()))?;
-                break;
-            }
-        }
-    }
-    let identity = client.identity();
+    let mut port = line.open(Retry::For(PATIENCE))?;
+    let mut update = ShownUpdate {
+        bar: bar(client.progress().1),
+        client,
+        words,
+        check,
+        is_told: false,
+    };
+    carry(&mut update, &mut port, stop)??;
+    let identity = update.client.identity();
     let runs = identity.map_or_else(String::new, |identity| {
         format!(
             "{}; scene {}",
@@ -144,15 +100,70 @@ pub(crate) fn bring(
     print(&format!("runs        {runs}\n"))
 }
 
-fn reopen(
-    port: &mut Port,
-    client: &mut UpdateClient<f64>,
-    why: &str,
-    stop: &AtomicBool,
-) -> Result<(), CliError> {
-    port.reopen(why, stop).map_err(CliError::Failed)?;
-    client.reconnected();
-    Ok(())
+/// Update under a bar.
+struct ShownUpdate<'a> {
+    client: UpdateClient<f64>,
+    bar: ProgressBar,
+    words: &'a UpdateWords,
+    check: &'a dyn Fn(&Identity) -> Result<(), CliError>,
+    /// The user was told of the board's program.
+    is_told: bool,
+}
+
+impl ShownUpdate<'_> {
+    /// Tells the user of the board that has answered, once.
+    ///
+    /// # Errors
+    /// What the check says.
+    fn meet(&mut self) -> Result<(), CliError> {
+        let Some(identity) = self.client.identity().filter(|_| !self.is_told) else {
+            return Ok(());
+        };
+        self.is_told = true;
+        let firmware = describe::board::firmware(&identity.firmware);
+        self.bar
+            .suspend(|| print(&format!("board       {firmware}\n")))?;
+        (self.check)(identity).inspect_err(|_| self.bar.abandon())
+    }
+
+    fn end(&self, result: Result<(), UpdateFailure<f64>>) -> Result<(), CliError> {
+        if result == Err(UpdateFailure::Stopped) {
+            self.bar.abandon();
+            let ended = self.words.ended;
+            return Err(CliError::Failed(format!("ended by Ctrl-C: {ended}")));
+        }
+        self.bar.finish_and_clear();
+        result.map_err(|failure| CliError::Failed(failure.describe()))
+    }
+}
+
+impl Dialogue<f64> for ShownUpdate<'_> {
+    type End = Result<(), CliError>;
+
+    fn poll(&mut self, now: Duration) -> Turn<f64, Self::End> {
+        let turn = self.client.poll(now);
+        turn.map(|result| self.end(result))
+    }
+
+    fn receive(&mut self, message: &Message<f64>, now: Duration) {
+        self.client.receive(message, now);
+    }
+
+    fn attend(&mut self, _: Duration) -> Option<Self::End> {
+        self.bar.set_position(self.client.progress().0.into());
+        if self.client.is_restarting() {
+            self.bar.set_message(self.words.waiting);
+        }
+        self.meet().err().map(Err)
+    }
+
+    fn stop(&mut self) {
+        self.client.stop();
+    }
+
+    fn reconnected(&mut self) {
+        self.client.reconnected();
+    }
 }
 
 fn bar(length: u32) -> ProgressBar {

@@ -3,7 +3,7 @@
 use crate::args::{FleetArgs, MachineEntry};
 use crate::error::ZenohError;
 use crate::keys::MachineKeys;
-use crate::line::{BoardLine, SimulatedLine};
+use crate::line::SimulatedLine;
 use crate::machine::{MachineSetup, Worker};
 use crate::outlet::Outlet;
 use crate::session::{self, SessionMode};
@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use trirrr_client::local::{self, HostNumber};
-use trirrr_line::{SharedKey, entropy};
+use trirrr_line::{Port, Retry, SharedKey, entropy};
 use trirrr_scene::{Scene, in_number_type};
 use zenoh::Session;
 
@@ -132,7 +132,10 @@ fn play<N: HostNumber>(
     let mut worker = Worker::<N>::new(setup, outlet)?;
     let _declared = worker.declare(zenoh, keys)?;
     match port {
-        Some(address) => worker.run(&mut BoardLine::new(address, args.baud, key), stop),
+        Some(address) => {
+            let mut port = Port::new(address, args.baud, key, Retry::Always);
+            worker.run(&mut port, stop)
+        }
         None => local::with_machine::<N, _>(scene, |machine| {
             machine.stir(entropy());
             let mut line = SimulatedLine::new(machine, scene.tick_rate_hz);

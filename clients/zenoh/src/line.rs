@@ -1,15 +1,11 @@
-//! Lines of machines: to a board over a port, and to a machine that this program simulates.
+//! Line to a machine that this program simulates.
 
 use std::collections::VecDeque;
-use std::io;
 use std::time::{Duration, Instant};
 use trirrr_client::local::LocalService;
-use trirrr_line::{Address, Frames, Link, OpenError, SharedKey, open_link};
-use trirrr_protocol::message::{Message, Request, Transmit};
+use trirrr_line::{Line, LostLine, Reopening};
+use trirrr_protocol::message::{Message, Request};
 use trirrr_service::{InterlockReadings, ServiceNumber};
-
-/// Bytes taken from a port at a time.
-const CHUNK: usize = 1 << 14;
 
 /// Slices of work below the tick between two looks at a simulated machine.
 const SLICES: u32 = 256;
@@ -20,92 +16,11 @@ const SOON: Duration = Duration::from_millis(1);
 /// Delay beyond which a simulated machine gives its schedule up: this computer is too slow for it.
 const BEHIND: Duration = Duration::from_secs(1);
 
-/// Line of a machine.
-pub(crate) trait MachineLine<N: Transmit> {
-    /// Opens the line, anew where it was open.
-    ///
-    /// # Errors
-    /// The reason, and true if a later attempt may succeed.
-    fn open(&mut self) -> Result<(), (String, bool)>;
-
-    /// Sends a request.
-    ///
-    /// # Errors
-    /// The line is lost.
-    fn send(&mut self, request: &Request<N>) -> io::Result<()>;
-
-    /// Waits up to `timeout`, and hands what the machine has sent to `take`.
-    ///
-    /// # Errors
-    /// The line is lost.
-    fn receive(&mut self, timeout: Duration, take: &mut dyn FnMut(Message<N>)) -> io::Result<()>;
-}
-
-/// Line over a port.
-pub(crate) struct BoardLine {
-    address: Address,
-    baud: u32,
-    key: Option<SharedKey>,
-    link: Option<Box<dyn Link>>,
-    frames: Frames,
-    frame: Vec<u8>,
-}
-
-impl BoardLine {
-    pub(crate) fn new(address: Address, baud: u32, key: Option<SharedKey>) -> Self {
-        Self {
-            address,
-            baud,
-            key,
-            link: None,
-            frames: Frames::default(),
-            frame: Vec::new(),
-        }
-    }
-
-    fn link(&mut self) -> io::Result<&mut Box<dyn Link>> {
-        self.link
-            .as_mut()
-            .ok_or_else(|| io::ErrorKind::NotConnected.into())
-    }
-}
-
-impl<N: Transmit> MachineLine<N> for BoardLine {
-    fn open(&mut self) -> Result<(), (String, bool)> {
-        // The port is given back first: it opens once only.
-        self.link = None;
-        let opened = open_link(&self.address, self.baud, self.key.as_ref());
-        let told = |error: OpenError| (error.to_string(), error.may_pass());
-        let mut link = opened.map_err(told)?;
-        // A zero ends what the line held.
-        link.send(&[0])
-            .map_err(|error| (format!("{}: {error}", self.address), true))?;
-        self.frames = Frames::default();
-        self.link = Some(link);
-        Ok(())
-    }
-
-    fn send(&mut self, request: &Request<N>) -> io::Result<()> {
-        let mut frame = std::mem::take(&mut self.frame);
-        frame.clear();
-        Frames::append(request, &mut frame);
-        let sent = self.link()?.send(&frame);
-        self.frame = frame;
-        sent
-    }
-
-    fn receive(&mut self, timeout: Duration, take: &mut dyn FnMut(Message<N>)) -> io::Result<()> {
-        let mut bytes = [0; CHUNK];
-        let length = self.link()?.receive(&mut bytes, timeout)?;
-        self.frames.receive(&bytes[..length], take);
-        Ok(())
-    }
-}
-
 /// Line to a machine that is simulated in this thread, in real time. The machine computes the ticks that are due each time when it is listened to.
 pub(crate) struct SimulatedLine<'a, N: ServiceNumber> {
     machine: &'a mut dyn LocalService<N>,
     rate_hz: f64,
+    begun: Instant,
     /// Time of tick 0.
     start: Instant,
     ticks: u64,
@@ -120,6 +35,7 @@ impl<'a, N: ServiceNumber> SimulatedLine<'a, N> {
         Self {
             machine,
             rate_hz,
+            begun: Instant::now(),
             start: Instant::now(),
             ticks: 0,
             answers: VecDeque::new(),
@@ -141,12 +57,12 @@ impl<'a, N: ServiceNumber> SimulatedLine<'a, N> {
     }
 }
 
-impl<N: ServiceNumber> MachineLine<N> for SimulatedLine<'_, N> {
-    fn open(&mut self) -> Result<(), (String, bool)> {
-        Ok(())
+impl<N: ServiceNumber> Line<N> for SimulatedLine<'_, N> {
+    fn now(&self) -> Duration {
+        self.begun.elapsed()
     }
 
-    fn send(&mut self, request: &Request<N>) -> io::Result<()> {
+    fn send(&mut self, request: &Request<N>) -> Result<(), LostLine> {
         let sequence = request.sequence;
         let reply = self.machine.receive(request);
         let mut answered = Some((sequence, reply));
@@ -158,7 +74,7 @@ impl<N: ServiceNumber> MachineLine<N> for SimulatedLine<'_, N> {
         Ok(())
     }
 
-    fn receive(&mut self, timeout: Duration, take: &mut dyn FnMut(Message<N>)) -> io::Result<()> {
+    fn receive(&mut self, timeout: Duration) -> Result<Vec<Message<N>>, LostLine> {
         // An answer goes behind the next tick.
         let next = Duration::from_secs_f64(self.ticks as f64 / self.rate_hz);
         let next = next.saturating_sub(self.start.elapsed());
@@ -167,6 +83,7 @@ impl<N: ServiceNumber> MachineLine<N> for SimulatedLine<'_, N> {
             (false, false) => timeout.min(next),
             (false, true) => timeout,
         });
+        let mut messages = Vec::new();
         for _ in self.ticks..self.due() {
             let begin = Instant::now();
             // Nobody presses anything here.
@@ -177,19 +94,22 @@ impl<N: ServiceNumber> MachineLine<N> for SimulatedLine<'_, N> {
             self.ticks += 1;
             self.is_busy = (0..SLICES).all(|_| self.machine.work());
             // After each tick: there is room for 63 samples.
-            while let Some(message) = self.machine.outgoing() {
-                take(message);
-            }
+            messages.extend(std::iter::from_fn(|| self.machine.outgoing()));
         }
         let heard = |(tick, _): &(u64, _)| *tick < self.ticks;
         while self.answers.front().is_some_and(heard) {
             if let Some((_, answer)) = self.answers.pop_front() {
-                take(answer);
+                messages.push(answer);
             }
         }
         if self.is_busy {
             self.is_busy = (0..SLICES).all(|_| self.machine.work());
         }
-        Ok(())
+        Ok(messages)
+    }
+
+    /// A machine of this program has no line to lose.
+    fn reopen(&mut self, _: &LostLine, _: bool) -> Reopening {
+        Reopening::Open
     }
 }

@@ -3,20 +3,8 @@
 use crate::answer::CommandOutcome;
 use std::time::Duration;
 use trirrr_client::describe::{self, Units};
-use trirrr_client::{Action, GoalAction, GoalClient, JobClient};
-use trirrr_protocol::message::{Message, Request, Status, Transmit};
-
-/// Next act of the owner of the line.
-pub(crate) enum TaskTurn<N: Transmit> {
-    /// Send this.
-    Send(Request<N>),
-    /// Listen.
-    Wait,
-    /// The machine does not answer.
-    Lost,
-    /// The motion is over: done, or why not.
-    Finished(Result<(), String>),
-}
+use trirrr_client::{Dialogue, GoalClient, JobClient, Turn};
+use trirrr_protocol::message::{Message, Status, Transmit};
 
 /// A motion under way, and the client that moves the machine.
 pub(crate) struct Task<N: Transmit> {
@@ -86,24 +74,17 @@ impl<N: Transmit> Task<N> {
         }
     }
 
-    pub(crate) fn poll(&mut self, now: Duration, units: &Units) -> TaskTurn<N> {
+    /// Next act of the client. At the end: done, or the reason why not.
+    pub(crate) fn poll(&mut self, now: Duration, units: &Units) -> Turn<N, Result<(), String>> {
         match &mut self.client {
-            TaskClient::Goal(client) => match client.poll(now) {
-                GoalAction::Send(request) => TaskTurn::Send(request),
-                GoalAction::Wait(_) => TaskTurn::Wait,
-                GoalAction::Lost => TaskTurn::Lost,
-                GoalAction::Finished(end) => {
-                    TaskTurn::Finished(end.map_err(|failure| failure.describe(units)))
-                }
-            },
-            TaskClient::Job(client) => match client.poll(now) {
-                Action::Send(request) => TaskTurn::Send(request),
-                Action::Wait(_) => TaskTurn::Wait,
-                Action::Lost => TaskTurn::Lost,
-                Action::Finished(end) => {
-                    TaskTurn::Finished(end.map_err(|failure| client.describe(&failure)))
-                }
-            },
+            TaskClient::Goal(client) => {
+                let turn = client.poll(now);
+                turn.map(|end| end.map_err(|failure| failure.describe(units)))
+            }
+            TaskClient::Job(client) => {
+                let turn = client.poll(now);
+                turn.map(|end| end.map_err(|failure| client.describe(&failure)))
+            }
         }
     }
 

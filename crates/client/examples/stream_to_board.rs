@@ -8,14 +8,18 @@
 
 use std::env;
 use std::error::Error;
-use std::time::{Duration, Instant};
-use trirrr_client::{Action, JobClient, Patience, local};
-use trirrr_line::{Address, Frames};
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
+use trirrr_client::{Dialogue, JobClient, JobFailure, Patience, Turn, drive, local};
+use trirrr_line::{Port, Retry};
 use trirrr_protocol::message::Message;
 use trirrr_scene::{Scene, offer};
 
 /// Bits per second of a serial port.
 const BAUD: u32 = 921_600;
+
+/// Time without the board after which the job is given up.
+const PATIENCE: Duration = Duration::from_secs(10);
 
 fn main() -> Result<(), Box<dyn Error>> {
     let [file, port] = [1, 2].map(|index| env::args().nth(index));
@@ -26,37 +30,45 @@ fn main() -> Result<(), Box<dyn Error>> {
     let moves = offer::moves::<f64>(&scene, &units);
     let hello = local::hello::<f64>(&scene);
 
-    let address: Address = port.parse()?;
-    let mut link = trirrr_line::open(&address, BAUD)?;
-    let mut frames = Frames::default();
+    let port = Port::new(port.parse()?, BAUD, None, Retry::For(PATIENCE));
     // One telemetry sample every 10 ticks; the number tells this conversation from an earlier one.
     let conversation = std::process::id();
-    let mut client = JobClient::new(moves, hello, 10, Patience::default(), conversation);
-    let start = Instant::now();
-    let mut buffer = [0; 4096];
-    loop {
-        // The client says what to send and how long to listen. It never blocks and has no clock.
-        let listen = match client.poll(start.elapsed()) {
-            Action::Send(request) => {
-                let mut bytes = Vec::new();
-                Frames::append(&request, &mut bytes);
-                link.send(&bytes)?;
-                Duration::ZERO
-            }
-            Action::Wait(until) => until.saturating_sub(start.elapsed()),
-            Action::Lost => return Err("the board is silent".into()),
-            Action::Finished(Ok(())) => break,
-            Action::Finished(Err(failure)) => return Err(client.describe(&failure).into()),
-        };
-        let length = link.receive(&mut buffer, listen)?;
-        frames.receive(&buffer[..length], |message: Message<f64>| {
-            if let Message::Telemetry(sample) = &message {
-                let at = sample.setpoint.pose.position;
-                println!("tick {}: x {:.4}, y {:.4}", sample.tick, at.x, at.y);
-            }
-            client.receive(&message, start.elapsed());
-        });
+    let client = JobClient::new(moves, hello, 10, Patience::default(), conversation);
+    let mut printed = Printed { client };
+    // Whatever raises this ends the job on its path, such as Ctrl-C.
+    let stop = AtomicBool::new(false);
+    if let Err(failure) = drive(&mut printed, &mut port.opened()?, &stop)? {
+        return Err(printed.client.describe(&failure).into());
     }
-    println!("{} moves done", client.done());
+    println!("{} moves done", printed.client.done());
     Ok(())
+}
+
+/// The dialogue of a job, whose samples are printed.
+struct Printed {
+    client: JobClient<f64>,
+}
+
+impl Dialogue<f64> for Printed {
+    type End = Result<(), JobFailure<f64>>;
+
+    fn poll(&mut self, now: Duration) -> Turn<f64, Self::End> {
+        self.client.poll(now)
+    }
+
+    fn receive(&mut self, message: &Message<f64>, now: Duration) {
+        if let Message::Telemetry(sample) = message {
+            let at = sample.setpoint.pose.position;
+            println!("tick {}: x {:.4}, y {:.4}", sample.tick, at.x, at.y);
+        }
+        self.client.receive(message, now);
+    }
+
+    fn stop(&mut self) {
+        self.client.stop();
+    }
+
+    fn reconnected(&mut self) {
+        self.client.reconnected();
+    }
 }

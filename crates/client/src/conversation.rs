@@ -1,6 +1,7 @@
 //! Conversation with one machine: the hello, requests and answers, and what the machine has said last.
 
-use crate::exchange::{Exchange, Patience, Turn};
+use crate::dialogue::Turn;
+use crate::exchange::{Exchange, Patience};
 use std::time::Duration;
 use trirrr_protocol::message::{
     Command, Hello, Identity, Message, Refusal, Reply, Request, Status, Transmit,
@@ -8,7 +9,7 @@ use trirrr_protocol::message::{
 
 /// Conversation that begins with a hello, and again where the machine was switched off and on, or another client came between.
 #[derive(Clone, Debug)]
-pub(crate) struct Conversation<N: Transmit> {
+pub struct Conversation<N: Transmit> {
     exchange: Exchange<N>,
     hello: Hello,
     greeted: bool,
@@ -18,7 +19,7 @@ pub(crate) struct Conversation<N: Transmit> {
 
 impl<N: Transmit> Conversation<N> {
     /// Creates the conversation of number `number` with a machine that is what `hello` says.
-    pub(crate) fn new(hello: Hello, patience: Patience, number: u32) -> Self {
+    pub fn new(hello: Hello, patience: Patience, number: u32) -> Self {
         Self {
             exchange: Exchange::new(patience, number),
             hello,
@@ -29,12 +30,12 @@ impl<N: Transmit> Conversation<N> {
     }
 
     /// Returns the identity of the machine that answered.
-    pub(crate) fn identity(&self) -> Option<&Identity> {
+    pub fn identity(&self) -> Option<&Identity> {
         self.identity.as_ref()
     }
 
     /// Returns the last status.
-    pub(crate) fn status(&self) -> Option<&Status<N>> {
+    pub fn status(&self) -> Option<&Status<N>> {
         self.status.as_ref()
     }
 
@@ -44,25 +45,25 @@ impl<N: Transmit> Conversation<N> {
     }
 
     /// Begins the conversation again on a port that was opened anew.
-    pub(crate) fn reconnected(&mut self) {
+    pub fn reconnected(&mut self) {
         self.greeted = false;
         self.exchange.forget();
     }
 
     /// Returns true if the machine takes another request.
-    pub(crate) fn has_room(&self) -> bool {
+    pub fn has_room(&self) -> bool {
         self.exchange.has_room()
     }
 
     /// Asks `command`, behind the requests that are open.
-    pub(crate) fn ask(&mut self, command: Command<N>, now: Duration) {
+    pub fn ask(&mut self, command: Command<N>, now: Duration) {
         self.exchange.ask(command, now);
     }
 
-    /// Returns the next act at `now`: free once the machine is greeted and every request is answered.
-    pub(crate) fn poll(&mut self, now: Duration) -> Turn<N> {
+    /// Returns the next act at `now`: done once the machine is greeted and every request is answered.
+    pub fn poll(&mut self, now: Duration) -> Turn<N, ()> {
         match self.exchange.poll(now) {
-            Turn::Free if !self.greeted => {
+            Turn::Done(()) if !self.greeted => {
                 self.exchange.greet(self.hello, now);
                 self.exchange.poll(now)
             }
@@ -72,7 +73,7 @@ impl<N: Transmit> Conversation<N> {
 
     /// Takes a message of the machine. Returns the command and its answer if the message is one. A refusal that only asks for another
     /// hello ends here: the command is not given again.
-    pub(crate) fn receive(&mut self, message: &Message<N>) -> Option<(Command<N>, Reply<N>)> {
+    pub fn receive(&mut self, message: &Message<N>) -> Option<(Command<N>, Reply<N>)> {
         let (Request { command, .. }, reply) = self.exchange.receive(message)?;
         match &reply {
             Reply::Hello(identity) => {
@@ -91,7 +92,7 @@ impl<N: Transmit> Conversation<N> {
     }
 
     /// Keeps the status that the machine has told. Returns the one before.
-    pub(crate) fn keep(&mut self, status: Status<N>) -> Option<Status<N>> {
+    pub fn keep(&mut self, status: Status<N>) -> Option<Status<N>> {
         self.status.replace(status)
     }
 }

@@ -8,6 +8,7 @@
 //! those that come before one that is missing. A line keeps the order of its frames. So an answer, or the word that a request
 //! is kept, tells which frames before it are lost: these are repeated at once, and nothing else.
 
+use crate::dialogue::Turn;
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_protocol::message::{Command, Hello, Message, Reply, Request, Transmit};
@@ -47,19 +48,6 @@ impl Default for Patience {
 
 /// Number of times that the wait doubles.
 const DOUBLINGS: u32 = 3;
-
-/// Next act. Times count from any start.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Turn<N: Transmit> {
-    /// Send this request.
-    Send(Request<N>),
-    /// Listen; unless something comes, there is nothing to do before this time.
-    Wait(Duration),
-    /// No attempt was answered.
-    Silent,
-    /// Every request is answered.
-    Free,
-}
 
 /// Request that waits for its answer.
 #[derive(Clone, Debug)]
@@ -168,16 +156,16 @@ impl<N: Transmit> Exchange<N> {
         });
     }
 
-    /// Returns the next act at `now`.
-    pub fn poll(&mut self, now: Duration) -> Turn<N> {
+    /// Returns the next act at `now`: done once every request is answered.
+    pub fn poll(&mut self, now: Duration) -> Turn<N, ()> {
         let is_due = |open: &&mut Open<N>| open.is_lost || open.due <= now;
         let Some(open) = self.open.iter_mut().find(is_due) else {
             let due = self.open.iter().map(|open| open.due).min();
-            return due.map_or(Turn::Free, Turn::Wait);
+            return due.map_or(Turn::Done(()), Turn::Wait);
         };
         if !open.is_lost {
             if open.attempts >= self.patience.attempts.max(1) {
-                return Turn::Silent;
+                return Turn::Reconnect;
             }
             open.due = now + self.patience.wait(open.attempts);
             open.attempts += 1;
@@ -353,7 +341,7 @@ mod tests {
         for number in 40..44 {
             assert!(exchange.receive(&reply(number, Reply::Done)).is_some());
         }
-        assert_eq!(exchange.poll(ANSWER * 100), Turn::Free);
+        assert_eq!(exchange.poll(ANSWER * 100), Turn::Done(()));
     }
 
     #[test]
@@ -367,7 +355,7 @@ mod tests {
         assert!(exchange.receive(&reply(42, Reply::Done)).is_some());
         assert_eq!(sent(&mut exchange, Duration::ZERO), [0; 0]);
         assert!(exchange.receive(&reply(40, Reply::Done)).is_some());
-        assert_eq!(exchange.poll(Duration::ZERO), Turn::Free);
+        assert_eq!(exchange.poll(Duration::ZERO), Turn::Done(()));
     }
 
     /// The last frame of all has none behind it that would tell.
@@ -386,12 +374,12 @@ mod tests {
             now = until;
             assert_eq!(sent(&mut exchange, now), [41]);
         }
-        assert_eq!(exchange.poll(now + ANSWER * 8), Turn::Silent);
+        assert_eq!(exchange.poll(now + ANSWER * 8), Turn::Reconnect);
         // A port that is opened anew begins again, under the same number.
         now += ANSWER * 8;
         exchange.reopened(now);
         assert_eq!(sent(&mut exchange, now), [41]);
         assert!(exchange.receive(&reply(41, Reply::Done)).is_some());
-        assert_eq!(exchange.poll(now), Turn::Free);
+        assert_eq!(exchange.poll(now), Turn::Done(()));
     }
 }

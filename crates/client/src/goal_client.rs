@@ -2,12 +2,13 @@
 
 use crate::conversation::Conversation;
 use crate::describe::{self, Units};
-use crate::exchange::{Patience, Turn};
+use crate::dialogue::{Dialogue, Turn};
+use crate::exchange::Patience;
 use crate::user_commands::{UserCommand, UserCommands};
 use std::time::Duration;
 use trirrr_protocol::message::{
     Acting, Command, Event, Fault, Goal, Hello, Identity, Message, NotEnabled, Refusal, Reply,
-    Request, State, Status, Transmit, Violation,
+    State, Status, Transmit, Violation,
 };
 
 /// Time from one status to the next.
@@ -15,19 +16,6 @@ const STATUS_EVERY: Duration = Duration::from_millis(20);
 
 /// Time until a request is made again that the machine did not take yet.
 const PAUSE: Duration = Duration::from_millis(5);
-
-/// Next act of the owner of the port.
-#[derive(Clone, Debug, PartialEq)]
-pub enum GoalAction<N: Transmit> {
-    /// Send this to the machine.
-    Send(Request<N>),
-    /// Listen; unless something comes, there is nothing to do before this time.
-    Wait(Duration),
-    /// The machine does not answer: open the port anew and call [`GoalClient::reconnected`], or give up.
-    Lost,
-    /// The machine stands at the last goal, or why not.
-    Finished(Result<(), GoalFailure<N>>),
-}
 
 /// Reason why a machine goes to no goal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -89,6 +77,67 @@ impl<N: Transmit> GoalFailure<N> {
                 describe::state(State::Idle, *acting)
             ),
         }
+    }
+}
+
+impl<N: Transmit> Dialogue<N> for GoalClient<N> {
+    /// The machine stands at the last goal, or the reason why not.
+    type End = Result<(), GoalFailure<N>>;
+
+    fn poll(&mut self, now: Duration) -> Turn<N, Self::End> {
+        loop {
+            if let Some(result) = self.result {
+                return Turn::Done(result);
+            }
+            match self.conversation.poll(now) {
+                Turn::Done(()) => match self.next(now) {
+                    Some(command) => self.conversation.ask(command, now),
+                    None if self.result.is_some() => {}
+                    None => return Turn::Wait(self.look),
+                },
+                turn => return turn.map(Ok),
+            }
+        }
+    }
+
+    fn receive(&mut self, message: &Message<N>, now: Duration) {
+        if let Message::Event(Event::State { .. } | Event::Fault(_)) = message {
+            self.look = self.look.min(now);
+            return;
+        }
+        let Some((command, reply)) = self.conversation.receive(message) else {
+            return;
+        };
+        match reply {
+            Reply::Hello(_) => {
+                self.orders.recall();
+                self.look = now;
+            }
+            Reply::Status(status) => self.on_status(status, now),
+            Reply::Done => {
+                if let Command::Retarget(goal) = command {
+                    self.ends_moving = false;
+                    self.is_judging = true;
+                    self.wanted = self.wanted.filter(|wanted| *wanted != goal);
+                }
+                self.orders.settle(&command);
+                self.is_enabled |= command == Command::Enable;
+                // What it changes, the next status says.
+                self.look = now;
+            }
+            Reply::Refused(refusal) => self.on_refusal(&command, refusal, now),
+            Reply::Section(_) | Reply::Kept { .. } | Reply::Update(_) => {}
+        }
+    }
+
+    fn stop(&mut self) {
+        self.command(UserCommand::Stop);
+        self.finish();
+    }
+
+    fn reconnected(&mut self) {
+        self.orders.recall();
+        self.conversation.reconnected();
     }
 }
 
@@ -169,31 +218,6 @@ impl<N: Transmit> GoalClient<N> {
         self.refused.take()
     }
 
-    /// Begins the conversation again on a port that was opened anew.
-    pub fn reconnected(&mut self) {
-        self.orders.recall();
-        self.conversation.reconnected();
-    }
-
-    /// Returns the next act at `now`, counted from any start and never going back.
-    pub fn poll(&mut self, now: Duration) -> GoalAction<N> {
-        loop {
-            if let Some(result) = self.result {
-                return GoalAction::Finished(result);
-            }
-            match self.conversation.poll(now) {
-                Turn::Send(request) => return GoalAction::Send(request),
-                Turn::Wait(until) => return GoalAction::Wait(until),
-                Turn::Silent => return GoalAction::Lost,
-                Turn::Free => match self.next(now) {
-                    Some(command) => self.conversation.ask(command, now),
-                    None if self.result.is_some() => {}
-                    None => return GoalAction::Wait(self.look),
-                },
-            }
-        }
-    }
-
     /// The next command, if there is something to say at `now`.
     fn next(&mut self, now: Duration) -> Option<Command<N>> {
         let Some(status) = self.status().copied().filter(|_| now < self.look) else {
@@ -237,37 +261,6 @@ impl<N: Transmit> GoalClient<N> {
             }
         }
         None
-    }
-
-    /// Takes a message of the machine.
-    pub fn receive(&mut self, message: &Message<N>, now: Duration) {
-        if let Message::Event(Event::State { .. } | Event::Fault(_)) = message {
-            self.look = self.look.min(now);
-            return;
-        }
-        let Some((command, reply)) = self.conversation.receive(message) else {
-            return;
-        };
-        match reply {
-            Reply::Hello(_) => {
-                self.orders.recall();
-                self.look = now;
-            }
-            Reply::Status(status) => self.on_status(status, now),
-            Reply::Done => {
-                if let Command::Retarget(goal) = command {
-                    self.ends_moving = false;
-                    self.is_judging = true;
-                    self.wanted = self.wanted.filter(|wanted| *wanted != goal);
-                }
-                self.orders.settle(&command);
-                self.is_enabled |= command == Command::Enable;
-                // What it changes, the next status says.
-                self.look = now;
-            }
-            Reply::Refused(refusal) => self.on_refusal(&command, refusal, now),
-            Reply::Section(_) | Reply::Kept { .. } | Reply::Update(_) => {}
-        }
     }
 
     fn on_status(&mut self, status: Status<N>, now: Duration) {
@@ -341,26 +334,10 @@ impl<N: Transmit> GoalClient<N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::local::{self, LocalService};
+    use crate::local;
+    use crate::tick_line::TickLine;
     use trirrr_core::setpoint::Pose;
     use trirrr_scene::Scene;
-
-    /// A client and a machine in one program, until the client has nothing to do for some ticks.
-    fn talk(client: &mut GoalClient<f32>, machine: &mut dyn LocalService<f32>, now: &mut Duration) {
-        for _ in 0..400 {
-            while let GoalAction::Send(request) = client.poll(*now) {
-                let reply = machine.receive(&request);
-                let sequence = request.sequence;
-                client.receive(&Message::Reply { sequence, reply }, *now);
-            }
-            machine.tick();
-            while machine.work() {}
-            while let Some(message) = machine.outgoing() {
-                client.receive(&message, *now);
-            }
-            *now += Duration::from_millis(10);
-        }
-    }
 
     fn goal(x: f64, y: f64) -> Goal<f32> {
         Goal {
@@ -377,19 +354,19 @@ mod tests {
         let scene = Scene::read("../../scenes/thesis.toml").unwrap();
         let hello = local::hello::<f32>(&scene);
         local::with_machine::<f32, _>(&scene, |machine| {
-            let mut now = Duration::ZERO;
+            let mut line = TickLine::new(machine);
             let mut client = GoalClient::new(hello, Patience::default(), 1);
             for _ in 0..2 {
                 client.aim(goal(0.9, 0.27));
-                talk(&mut client, machine, &mut now);
+                line.talk(&mut client, 400);
                 assert!(client.take_refused().is_some(), "{:?}", client.status());
             }
             assert!(client.status().unwrap().refused.is_some());
             let mut client = GoalClient::new(hello, Patience::default(), 1 << 16);
-            talk(&mut client, machine, &mut now);
+            line.talk(&mut client, 400);
             assert_eq!(client.take_refused(), None, "no goal was given");
             client.aim(goal(0.23, 0.23));
-            talk(&mut client, machine, &mut now);
+            line.talk(&mut client, 400);
             assert_eq!(client.take_refused(), None);
             let end = client.status().unwrap().end.unwrap();
             assert_eq!(end.pose, goal(0.23, 0.23).to);
@@ -404,17 +381,17 @@ mod tests {
         let hello = local::hello::<f32>(&scene);
         let mut client = GoalClient::<f32>::new(hello, Patience::default(), 1);
         local::with_machine::<f32, _>(&scene, |machine| {
-            let mut now = Duration::ZERO;
-            talk(&mut client, machine, &mut now);
+            let mut line = TickLine::new(machine);
+            line.talk(&mut client, 400);
             client.aim(goal(0.28, 0.28));
-            talk(&mut client, machine, &mut now);
+            line.talk(&mut client, 400);
             client.command(UserCommand::Disable);
             // Sent, and never there.
-            let sent = client.poll(now);
-            assert!(matches!(sent, GoalAction::Send(_)), "{sent:?}");
+            let sent = client.poll(line.now);
+            assert!(matches!(sent, Turn::Send(_)), "{sent:?}");
             client.reconnected();
-            talk(&mut client, machine, &mut now);
-            assert_eq!(machine.state(), State::Disabled);
+            line.talk(&mut client, 400);
+            assert_eq!(line.machine.state(), State::Disabled);
         })
         .unwrap();
     }

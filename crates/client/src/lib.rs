@@ -1,10 +1,10 @@
 //! Host side of the conversation with a machine: what to send next, what an answer means, when to
 //! ask again.
 //!
-//! The client has no port and no clock. The owner of a port feeds it:
+//! A [`Dialogue`] has no line and no clock. [`drive`] carries it over a [`Line`]; the owner of an event loop feeds it:
 //!
 //! ```text
-//!            poll(now) ──> Send, Wait, Lost, Finished
+//!            poll(now) ──> Send, Wait, Reconnect, Done
 //! port ────> receive(message, now)
 //! ```
 //! [`exchange`] keeps requests and answers in step; [`JobClient`] plays a job through it, [`GoalClient`] sends the machine to goals,
@@ -21,6 +21,7 @@
 mod approach;
 mod conversation;
 pub mod describe;
+mod dialogue;
 pub mod drive_records;
 pub mod exchange;
 mod failure;
@@ -33,17 +34,21 @@ pub mod records;
 mod resume;
 pub mod runner;
 mod scene_image;
+#[cfg(test)]
+mod tick_line;
 mod update_client;
 mod user_commands;
 
 pub use approach::short_way;
+pub use conversation::Conversation;
+pub use dialogue::{Dialogue, Turn, drive};
 pub use exchange::Patience;
 pub use failure::JobFailure;
-pub use goal_client::{GoalAction, GoalClient, GoalFailure};
-pub use job_client::{Action, JobClient, JobWork, MoveChecksum, SuppliedMoves, switched_label};
+pub use goal_client::{GoalClient, GoalFailure};
+pub use job_client::{JobClient, JobWork, MoveChecksum, SuppliedMoves, switched_label};
 pub use job_mark::{BegunJob, JobMark};
-pub use manual_client::{ManualAction, ManualClient};
+pub use manual_client::ManualClient;
 pub use resume::{JobPlace, JobRest};
 pub use scene_image::SceneImage;
-pub use update_client::{ProgramImage, UpdateAction, UpdateClient, UpdateFailure};
+pub use update_client::{ProgramImage, UpdateClient, UpdateFailure};
 pub use user_commands::UserCommand;

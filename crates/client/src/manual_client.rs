@@ -1,29 +1,16 @@
 //! Keeps an eye on a machine, and sends the commands that a person gives by hand.
 
 use crate::conversation::Conversation;
-use crate::exchange::{Patience, Turn};
+use crate::dialogue::{Dialogue, Turn};
+use crate::exchange::Patience;
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_protocol::message::{
-    Command, Event, Hello, Identity, Message, Refusal, Reply, Request, Status, TelemetryFields,
-    Transmit,
+    Command, Event, Hello, Identity, Message, Refusal, Reply, Status, TelemetryFields, Transmit,
 };
 
 /// Time from one status to the next.
 const STATUS_EVERY: Duration = Duration::from_millis(100);
-
-/// Next act of the owner of the port.
-#[derive(Clone, Debug, PartialEq)]
-pub enum ManualAction<N: Transmit> {
-    /// Send this to the machine.
-    Send(Request<N>),
-    /// Listen; unless something comes, there is nothing to do before this time.
-    Wait(Duration),
-    /// The machine does not answer: open the port anew and call [`ManualClient::reconnected`], or give up.
-    Lost,
-    /// The machine refuses the conversation.
-    Refused(Refusal<N>),
-}
 
 /// Client of a machine that is commanded by hand, without a port and a clock of its own.
 ///
@@ -75,45 +62,34 @@ impl<N: Transmit> ManualClient<N> {
     pub fn take_refused(&mut self) -> Option<Refusal<N>> {
         self.refused.pop_front()
     }
+}
 
-    /// Begins the conversation again on a port that was opened anew. Commands that wait are dropped: the user gave them to what was there
-    /// before.
-    pub fn reconnected(&mut self) {
-        self.commands.clear();
-        self.conversation.reconnected();
-    }
+impl<N: Transmit> Dialogue<N> for ManualClient<N> {
+    /// The machine refuses the conversation.
+    type End = Refusal<N>;
 
-    /// Returns the next act at `now`, counted from any start and never going back.
-    pub fn poll(&mut self, now: Duration) -> ManualAction<N> {
+    fn poll(&mut self, now: Duration) -> Turn<N, Self::End> {
         loop {
             if let Some(refusal) = self.closed {
-                return ManualAction::Refused(refusal);
+                return Turn::Done(refusal);
             }
-            match self.conversation.poll(now) {
-                Turn::Send(request) => return ManualAction::Send(request),
-                Turn::Silent => return ManualAction::Lost,
+            let (is_free, look) = match self.conversation.poll(now) {
+                Turn::Send(request) => return Turn::Send(request),
+                Turn::Reconnect => return Turn::Reconnect,
                 // A stop does not wait for the answer to a question.
-                Turn::Wait(until) => {
-                    match self
-                        .conversation
-                        .has_room()
-                        .then(|| self.commands.pop_front())
-                    {
-                        Some(Some(command)) => self.conversation.ask(command, now),
-                        _ => return ManualAction::Wait(until),
-                    }
-                }
-                Turn::Free => match self.commands.pop_front() {
-                    Some(command) => self.conversation.ask(command, now),
-                    None if now >= self.look => self.conversation.ask(Command::Status, now),
-                    None => return ManualAction::Wait(self.look),
-                },
+                Turn::Wait(until) => (false, until),
+                Turn::Done(()) => (true, self.look),
+            };
+            let has_room = is_free || self.conversation.has_room();
+            match has_room.then(|| self.commands.pop_front()).flatten() {
+                Some(command) => self.conversation.ask(command, now),
+                None if is_free && now >= look => self.conversation.ask(Command::Status, now),
+                None => return Turn::Wait(look),
             }
         }
     }
 
-    /// Takes a message of the machine.
-    pub fn receive(&mut self, message: &Message<N>, now: Duration) {
+    fn receive(&mut self, message: &Message<N>, now: Duration) {
         if let Message::Event(event) = message {
             // An event is a hint: the status says what holds.
             if let (Event::State { state, acting, .. }, Some(status)) =
@@ -157,39 +133,27 @@ impl<N: Transmit> ManualClient<N> {
             Reply::Section(_) | Reply::Kept { .. } | Reply::Update(_) => {}
         }
     }
+
+    /// Commands that wait are dropped.
+    fn stop(&mut self) {
+        self.commands.clear();
+        self.command(Command::Stop);
+    }
+
+    /// Commands that wait are dropped: the user gave them to what was there before.
+    fn reconnected(&mut self) {
+        self.commands.clear();
+        self.conversation.reconnected();
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::local::{self, LocalService};
+    use crate::local;
+    use crate::tick_line::TickLine;
     use trirrr_protocol::message::State;
     use trirrr_scene::Scene;
-
-    /// A client and a machine in one program, some ticks on.
-    fn talk(
-        client: &mut ManualClient<f32>,
-        machine: &mut dyn LocalService<f32>,
-        now: &mut Duration,
-        ticks: u32,
-    ) -> Vec<Command<f32>> {
-        let mut sent = Vec::new();
-        for _ in 0..ticks {
-            while let ManualAction::Send(request) = client.poll(*now) {
-                sent.push(request.command);
-                let reply = machine.receive(&request);
-                let sequence = request.sequence;
-                client.receive(&Message::Reply { sequence, reply }, *now);
-            }
-            machine.tick();
-            while machine.work() {}
-            while let Some(message) = machine.outgoing() {
-                client.receive(&message, *now);
-            }
-            *now += Duration::from_millis(10);
-        }
-        sent
-    }
 
     fn scene() -> Scene {
         Scene::read("../../scenes/thesis.toml").unwrap()
@@ -201,8 +165,9 @@ mod tests {
         let hello = local::hello::<f32>(&scene);
         local::with_machine::<f32, _>(&scene, |machine| {
             let mut client = ManualClient::new(hello, 5, Patience::default(), 1);
-            let mut now = Duration::ZERO;
-            let sent = talk(&mut client, machine, &mut now, 100);
+            let mut line = TickLine::new(machine);
+            line.talk(&mut client, 100);
+            let sent = &line.sent;
             let is_quiet = |command: &Command<f32>| {
                 matches!(
                     command,
@@ -213,15 +178,15 @@ mod tests {
                 )
             };
             assert!(sent.iter().all(is_quiet), "{sent:?}");
-            assert_eq!(machine.state(), State::Disabled);
+            assert_eq!(line.machine.state(), State::Disabled);
             assert_eq!(client.take_refused(), None);
             client.command(Command::Enable);
-            talk(&mut client, machine, &mut now, 100);
-            assert_eq!(machine.state(), State::Idle);
+            line.talk(&mut client, 100);
+            assert_eq!(line.machine.state(), State::Idle);
             assert_eq!(client.status().unwrap().state, State::Idle);
             // The machine has nothing to resume.
             client.command(Command::Resume);
-            talk(&mut client, machine, &mut now, 2);
+            line.talk(&mut client, 2);
             assert_eq!(client.take_refused(), Some(Refusal::State(State::Idle)));
         })
         .unwrap();
@@ -234,13 +199,12 @@ mod tests {
         hello.scene ^= 1;
         local::with_machine::<f32, _>(&scene, |machine| {
             let mut client = ManualClient::new(hello, 5, Patience::default(), 1);
-            let mut now = Duration::ZERO;
-            talk(&mut client, machine, &mut now, 2);
-            let refused = client.poll(Duration::from_secs(1));
+            let mut line = TickLine::new(machine);
+            let refused = line.talk(&mut client, 2);
             let expected = Refusal::Scene {
                 expected: scene.key,
             };
-            assert_eq!(refused, ManualAction::Refused(expected));
+            assert_eq!(refused, Some(expected));
         })
         .unwrap();
     }
@@ -251,12 +215,12 @@ mod tests {
         let hello = local::hello::<f32>(&scene);
         local::with_machine::<f32, _>(&scene, |machine| {
             let mut client = ManualClient::new(hello, 5, Patience::default(), 1);
-            let mut now = Duration::ZERO;
-            talk(&mut client, machine, &mut now, 10);
+            let mut line = TickLine::new(machine);
+            line.talk(&mut client, 10);
             client.command(Command::Enable);
             client.reconnected();
-            talk(&mut client, machine, &mut now, 100);
-            assert_eq!(machine.state(), State::Disabled);
+            line.talk(&mut client, 100);
+            assert_eq!(line.machine.state(), State::Disabled);
         })
         .unwrap();
     }

@@ -1,6 +1,7 @@
 //! A job on a machine in the same program: client and service talk in one thread, without a line.
 
-use crate::job_client::{Action, JobClient, JobWork};
+use crate::dialogue::{Dialogue, Turn};
+use crate::job_client::{JobClient, JobWork};
 use crate::local::LocalService;
 use crate::{JobFailure, Patience};
 use std::time::Duration;
@@ -97,7 +98,7 @@ impl<'a, N: ServiceNumber> JobRunner<'a, N> {
     pub fn talk(&mut self) -> Option<Result<(), JobFailure<N>>> {
         loop {
             match self.client.poll(self.now) {
-                Action::Send(request) => {
+                Turn::Send(request) => {
                     let reply = self.service.receive(&request);
                     // Moves are judged before the client asks what became of them.
                     while self.service.work() {}
@@ -114,9 +115,9 @@ impl<'a, N: ServiceNumber> JobRunner<'a, N> {
                         return None;
                     }
                 }
-                Action::Wait(_) => return None,
-                Action::Lost => self.client.reconnected(),
-                Action::Finished(result) => return Some(result),
+                Turn::Wait(_) => return None,
+                Turn::Reconnect => self.client.reconnected(),
+                Turn::Done(result) => return Some(result),
             }
         }
     }

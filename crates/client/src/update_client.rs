@@ -1,7 +1,8 @@
 //! Replaces the program of a board over its line, or the scene of a program that takes one.
 
 use crate::describe::{self, Units};
-use crate::exchange::{Exchange, Patience, Turn};
+use crate::dialogue::{Dialogue, Turn};
+use crate::exchange::{Exchange, Patience};
 use crate::scene_image::SceneImage;
 use std::time::Duration;
 use trirrr_protocol::message::{
@@ -88,19 +89,6 @@ impl Brought {
     }
 }
 
-/// Next act of the owner of the port.
-#[derive(Clone, Debug, PartialEq)]
-pub enum UpdateAction<N: Transmit> {
-    /// Send this to the machine.
-    Send(Request<N>),
-    /// Listen; unless something comes, there is nothing to do before this time.
-    Wait(Duration),
-    /// The machine does not answer: open the port anew and call [`UpdateClient::reconnected`], or give up.
-    Lost,
-    /// The new program, or the new scene, runs, or why not.
-    Finished(Result<(), UpdateFailure<N>>),
-}
-
 /// Reason why the new program, or the new scene, does not run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum UpdateFailure<N: Transmit> {
@@ -116,6 +104,8 @@ pub enum UpdateFailure<N: Transmit> {
     Lacks(SceneNeeds),
     /// The machine runs another scene than that which was brought.
     OtherScene,
+    /// The user has stopped the update.
+    Stopped,
 }
 
 impl<N: Transmit> UpdateFailure<N> {
@@ -141,6 +131,7 @@ impl<N: Transmit> UpdateFailure<N> {
             Self::OtherScene => "the board runs another scene after its restart: it could not build this one; send it again, by the trirrr of \
                  the version that the board runs"
                 .into(),
+            Self::Stopped => "ended by Ctrl-C".into(),
             Self::Layout => "the board's messages have another layout: update it by the trirrr of the version that it runs, or \
                  flash it with a probe"
                 .into(),
@@ -229,44 +220,6 @@ impl<N: Transmit> UpdateClient<N> {
         matches!(self.phase, Phase::Restart { .. } | Phase::Outcome)
     }
 
-    /// Begins the conversation again on a port that was opened anew. What the machine has of the image is not sent again.
-    pub fn reconnected(&mut self) {
-        self.exchange.forget();
-        self.identity = None;
-        if let Phase::Send { .. } = self.phase {
-            self.phase = Phase::Ask;
-        }
-    }
-
-    /// Returns the next act at `now`, counted from any start and never going back.
-    pub fn poll(&mut self, now: Duration) -> UpdateAction<N> {
-        if let Some(result) = self.result {
-            return UpdateAction::Finished(result);
-        }
-        match self.phase {
-            Phase::Restart { hello, .. } if now < hello => return UpdateAction::Wait(hello),
-            _ if self.identity.is_none() && self.exchange.open().next().is_none() => {
-                self.exchange.greet(self.hello, now);
-            }
-            Phase::Send { .. } => self.send(now),
-            _ => {}
-        }
-        match (self.exchange.poll(now), self.phase) {
-            (Turn::Send(request), _) => UpdateAction::Send(request),
-            (Turn::Wait(until), _) => UpdateAction::Wait(until),
-            (Turn::Free, _) => UpdateAction::Wait(now),
-            (Turn::Silent, Phase::Restart { end, .. }) if now < end => {
-                self.exchange.greet(self.hello, now);
-                UpdateAction::Wait(now)
-            }
-            (Turn::Silent, Phase::Restart { .. }) => {
-                self.result = Some(Err(UpdateFailure::Silent));
-                UpdateAction::Wait(now)
-            }
-            (Turn::Silent, _) => UpdateAction::Lost,
-        }
-    }
-
     /// Asks for blocks, as many as may be in flight.
     fn send(&mut self, now: Duration) {
         while let Phase::Send { next } = self.phase
@@ -280,32 +233,6 @@ impl<N: Transmit> UpdateClient<N> {
             };
             self.exchange
                 .ask(Command::Update(UpdateStep::Block(block)), now);
-        }
-    }
-
-    /// Takes a message of the machine.
-    pub fn receive(&mut self, message: &Message<N>, now: Duration) {
-        let Some((request, reply)) = self.exchange.receive(message) else {
-            return;
-        };
-        match reply {
-            Reply::Hello(identity) => {
-                self.identity = Some(identity);
-                if let Phase::Restart { .. } = self.phase {
-                    self.phase = Phase::Outcome;
-                }
-                self.exchange.ask(Command::UpdateStatus, now);
-            }
-            Reply::Update(status) => self.meet(&status, now),
-            Reply::Done => self.go_on(&request.command, now),
-            // The answer to the restart was lost, and the machine has started anew.
-            Reply::Refused(Refusal::HelloFirst)
-                if request.command == Command::Update(UpdateStep::Restart) =>
-            {
-                self.go_on(&request.command, now);
-            }
-            Reply::Refused(refusal) => self.refused(refusal, now),
-            _ => {}
         }
     }
 
@@ -421,6 +348,76 @@ impl<N: Transmit> UpdateClient<N> {
     }
 }
 
+impl<N: Transmit> Dialogue<N> for UpdateClient<N> {
+    /// The new program, or the new scene, runs, or the reason why not.
+    type End = Result<(), UpdateFailure<N>>;
+
+    fn poll(&mut self, now: Duration) -> Turn<N, Self::End> {
+        if let Some(result) = self.result {
+            return Turn::Done(result);
+        }
+        match self.phase {
+            Phase::Restart { hello, .. } if now < hello => return Turn::Wait(hello),
+            _ if self.identity.is_none() && self.exchange.open().next().is_none() => {
+                self.exchange.greet(self.hello, now);
+            }
+            Phase::Send { .. } => self.send(now),
+            _ => {}
+        }
+        match (self.exchange.poll(now), self.phase) {
+            (Turn::Done(()), _) => Turn::Wait(now),
+            (Turn::Reconnect, Phase::Restart { end, .. }) if now < end => {
+                self.exchange.greet(self.hello, now);
+                Turn::Wait(now)
+            }
+            (Turn::Reconnect, Phase::Restart { .. }) => {
+                self.result = Some(Err(UpdateFailure::Silent));
+                Turn::Wait(now)
+            }
+            (turn, _) => turn.map(Ok),
+        }
+    }
+
+    fn receive(&mut self, message: &Message<N>, now: Duration) {
+        let Some((request, reply)) = self.exchange.receive(message) else {
+            return;
+        };
+        match reply {
+            Reply::Hello(identity) => {
+                self.identity = Some(identity);
+                if let Phase::Restart { .. } = self.phase {
+                    self.phase = Phase::Outcome;
+                }
+                self.exchange.ask(Command::UpdateStatus, now);
+            }
+            Reply::Update(status) => self.meet(&status, now),
+            Reply::Done => self.go_on(&request.command, now),
+            // The answer to the restart was lost, and the machine has started anew.
+            Reply::Refused(Refusal::HelloFirst)
+                if request.command == Command::Update(UpdateStep::Restart) =>
+            {
+                self.go_on(&request.command, now);
+            }
+            Reply::Refused(refusal) => self.refused(refusal, now),
+            _ => {}
+        }
+    }
+
+    /// What the board has of the image waits for another client.
+    fn stop(&mut self) {
+        self.result = Some(Err(UpdateFailure::Stopped));
+    }
+
+    /// What the machine has of the image is not sent again.
+    fn reconnected(&mut self) {
+        self.exchange.forget();
+        self.identity = None;
+        if let Phase::Send { .. } = self.phase {
+            self.phase = Phase::Ask;
+        }
+    }
+}
+
 /// Machine of a test, as an update sees it.
 #[cfg(test)]
 pub(crate) trait OtherEnd {
@@ -442,16 +439,16 @@ pub(crate) fn talk(
     let mut now = Duration::ZERO;
     for _ in 0..1000 {
         match client.poll(now) {
-            UpdateAction::Send(request) => {
+            Turn::Send(request) => {
                 let message = Message::Reply {
                     sequence: request.sequence,
                     reply: machine.answer(&request.command),
                 };
                 client.receive(&message, now);
             }
-            UpdateAction::Wait(until) => now = until.max(now + Duration::from_millis(1)),
-            UpdateAction::Lost => panic!("the machine answers"),
-            UpdateAction::Finished(result) => return Some(result),
+            Turn::Wait(until) => now = until.max(now + Duration::from_millis(1)),
+            Turn::Reconnect => panic!("the machine answers"),
+            Turn::Done(result) => return Some(result),
         }
         if machine.is_enough() {
             return None;
@@ -567,7 +564,7 @@ mod tests {
     fn a_board_of_another_layout_is_refused_and_one_of_another_number_is_not() {
         let mut client = UpdateClient::<f64>::new(image(1000), Patience::default(), 7);
         let refuse = |client: &mut UpdateClient<f64>, expected| {
-            let UpdateAction::Send(request) = client.poll(Duration::ZERO) else {
+            let Turn::Send(request) = client.poll(Duration::ZERO) else {
                 panic!("a hello");
             };
             let reply = Reply::Refused(Refusal::Schema { expected });
@@ -582,7 +579,7 @@ mod tests {
         let fixed =
             in_number_type!(NumberType::Fixed, N => schema::key::<Request<N>, Message<N>>());
         refuse(&mut client, fixed);
-        let UpdateAction::Send(Request {
+        let Turn::Send(Request {
             command: Command::Hello(hello),
             ..
         }) = client.poll(Duration::ZERO)
@@ -594,7 +591,7 @@ mod tests {
         refuse(&mut client, 1);
         assert_eq!(
             client.poll(Duration::ZERO),
-            UpdateAction::Finished(Err(UpdateFailure::Layout))
+            Turn::Done(Err(UpdateFailure::Layout))
         );
     }
 }

@@ -1,9 +1,9 @@
 //! Links to a board, and to a client: bytes in, bytes out, over a serial port or TCP.
 //!
 //! A [`Link`] carries bytes, and [`Frames`] finds the messages in them. Once a call has failed, the link
-//! is lost, and the owner opens a new one. A [`SharedKey`] seals a TCP link: who does not have it gets in nowhere, and reads nothing.
+//! is lost, and the owner opens a new one. A [`Port`] does so by itself: it is a [`Line`] of messages. A [`SharedKey`] seals a TCP link: who does not have it gets in nowhere, and reads nothing.
 //!
-//! Frames and addresses are there without the feature `system`, too: a page in a browser uses them. All else takes an operating system, and
+//! Frames, addresses and the trait of lines are there without the feature `system`, too: a page in a browser uses them. All else takes an operating system, and
 //! a key takes the feature `keys`.
 #![forbid(unsafe_code)]
 
@@ -11,10 +11,13 @@ mod address;
 mod frames;
 #[cfg(feature = "system")]
 mod key;
+mod line;
 #[cfg(feature = "system")]
 mod links;
 #[cfg(feature = "system")]
 mod noise;
+#[cfg(feature = "system")]
+mod port;
 mod raw;
 #[cfg(feature = "system")]
 mod refusal;
@@ -33,10 +36,13 @@ pub use address::{Address, listening};
 pub use frames::Frames;
 #[cfg(feature = "system")]
 pub use key::{KeyError, SharedKey, entropy};
+pub use line::{Line, LostLine, Reopening, is_answer};
 #[cfg(feature = "system")]
 pub use links::{Link, OpenError, open, open_keyed, open_link, open_watched};
 #[cfg(feature = "system")]
 use links::{WRITE_TIMEOUT, closed};
+#[cfg(feature = "system")]
+pub use port::{Port, Retry};
 pub use raw::RawMessage;
 #[cfg(feature = "system")]
 pub use refusal::{KeyRefusal, OtherClient};

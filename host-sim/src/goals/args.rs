@@ -2,12 +2,13 @@
 
 use crate::arguments::{DEFAULT_SCENE, SetArgs, factor, number_type};
 use crate::failure::CliError;
-use crate::stream::{Port, PortArgs, patience};
+use crate::stream::{PortArgs, patience};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Duration;
 use trirrr_client::Patience;
 use trirrr_core::units::Units;
+use trirrr_line::{Port, Retry};
 use trirrr_scene::{NumberType, Scene};
 use trirrr_service::ServiceNumber;
 
@@ -52,7 +53,7 @@ impl MachineArgs {
         let units = trirrr_scene::units::<N>(scene)
             .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
         let wait = Duration::from_secs_f64(self.patience);
-        let port = Port::open(&self.line, wait)?;
+        let port = self.line.open(Retry::For(wait))?;
         Ok((port, units, patience(wait)))
     }
 }

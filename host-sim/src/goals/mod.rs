@@ -78,8 +78,8 @@ fn run<N: ServiceNumber>(
     strict: bool,
     stop: &AtomicBool,
 ) -> Result<bool, CliError> {
-    let mut session = GoalSession::<N>::open(args, scene, stop)?;
-    let Some([x, y, alpha]) = session.run(goals, strict)? else {
+    let (mut session, mut port) = GoalSession::<N>::open(args, scene)?;
+    let Some([x, y, alpha]) = session.run(&mut port, goals, strict, stop)? else {
         return Ok(false);
     };
     print(&format!(

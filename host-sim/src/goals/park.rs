@@ -1,21 +1,17 @@
 //! Way to the start of the scene's job, or to another pose, by an ordinary move.
 
 use super::args::ParkArgs;
+use crate::dialogue::{Told, carry};
 use crate::failure::CliError;
 use crate::numbers::refused;
-use crate::stream::{Port, conversation};
-use crate::terminal::{print, say};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
-use trirrr_client::describe::{self, Units};
-use trirrr_client::{Action, JobClient, JobFailure, JobWork, UserCommand, local};
+use crate::stream::conversation;
+use crate::terminal::print;
+use std::sync::atomic::AtomicBool;
+use trirrr_client::describe::Units;
+use trirrr_client::{JobClient, JobFailure, JobWork, UserCommand, local};
 use trirrr_core::setpoint::Pose;
-use trirrr_protocol::message::{Event, Message};
 use trirrr_scene::{Scene, offer};
 use trirrr_service::ServiceNumber;
-
-/// Longest wait for the board before the user is heard.
-const LOOK: Duration = Duration::from_millis(20);
 
 /// Parks the machine of `scene`. Returns false if the user has stopped it.
 ///
@@ -43,47 +39,10 @@ pub(super) fn park<N: ServiceNumber>(
     if let Some(percent) = args.machine.feed {
         client.command(UserCommand::FeedOverride(percent));
     }
-    let begin = Instant::now();
-    let mut is_stopping = false;
-    let mut state = None;
-    let failure = loop {
-        if stop.load(Ordering::Relaxed) && !std::mem::replace(&mut is_stopping, true) {
-            say("Ctrl-C: the machine stops on its path");
-            client.command(UserCommand::Stop);
-        }
-        let lost = match client.poll(begin.elapsed()) {
-            Action::Send(request) => port.send(&request).err().map(|error| error.to_string()),
-            Action::Lost => Some("the board does not answer".into()),
-            Action::Wait(until) => {
-                let wait = until.saturating_sub(begin.elapsed()).min(LOOK);
-                match port.receive(wait) {
-                    Ok(messages) => {
-                        for message in &messages {
-                            if let Message::Event(Event::State {
-                                state: new, acting, ..
-                            }) = message
-                                && state.replace((*new, *acting)) != Some((*new, *acting))
-                            {
-                                say(&describe::state(*new, *acting));
-                            }
-                            client.receive(message, begin.elapsed());
-                        }
-                        None
-                    }
-                    Err(error) => Some(error.to_string()),
-                }
-            }
-            Action::Finished(Ok(())) => break None,
-            Action::Finished(Err(failure)) => break Some(failure),
-        };
-        if let Some(why) = lost {
-            reopen(&mut port, &why, stop)?;
-            client.reconnected();
-        }
-    };
+    let parked = carry(&mut Told::new(client), &mut port, stop)?;
     let units = Units::of_scene(scene, &units);
-    match failure {
-        None => {
+    match parked {
+        Ok(()) => {
             let [x, y] = [pose.position.x, pose.position.y];
             print(&format!(
                 "parked at x {x:.6} m, y {y:.6} m, alpha {:.6} rad\n",
@@ -91,8 +50,8 @@ pub(super) fn park<N: ServiceNumber>(
             ))?;
             Ok(true)
         }
-        Some(JobFailure::Stopped { .. }) => Ok(false),
-        Some(failure) => {
+        Err(JobFailure::Stopped { .. }) => Ok(false),
+        Err(failure) => {
             let text = failure.describe("move", 0, &units);
             Err(match failure {
                 JobFailure::Refused { refusal, .. } => refused(&refusal, text),
@@ -101,11 +60,4 @@ pub(super) fn park<N: ServiceNumber>(
             })
         }
     }
-}
-
-fn reopen(port: &mut Port, why: &str, stop: &AtomicBool) -> Result<(), CliError> {
-    if let Some(text) = port.reopening(why) {
-        say(&text);
-    }
-    port.reopen(why, stop).map_err(CliError::Failed)
 }

@@ -1,21 +1,20 @@
 //! Goals under way: client, port and what wants goals.
 
 use super::args::MachineArgs;
+use crate::dialogue::{Told, carry};
 use crate::failure::CliError;
 use crate::numbers::refused;
-use crate::stream::{Port, conversation};
+use crate::stream::conversation;
 use crate::terminal::say;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 use trirrr_client::describe::{self, Units};
-use trirrr_client::{GoalAction, GoalClient, GoalFailure, UserCommand, local};
+use trirrr_client::{Dialogue, GoalClient, GoalFailure, Turn, UserCommand, local};
 use trirrr_core::setpoint::Pose;
-use trirrr_protocol::message::{Acting, Event, Goal, Message, State, Transmit};
+use trirrr_line::Port;
+use trirrr_protocol::message::{Goal, Message, State, Transmit};
 use trirrr_scene::{Scene, offer};
 use trirrr_service::ServiceNumber;
-
-/// Longest wait for the board before what wants goals is asked.
-const LOOK: Duration = Duration::from_millis(5);
 
 /// A goal in SI units.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -56,11 +55,8 @@ pub(super) trait Goals {
 pub(super) struct GoalSession<'a, N: Transmit> {
     args: &'a MachineArgs,
     client: GoalClient<N>,
-    port: Port,
     units: trirrr_core::units::Units,
     words: Units,
-    stop: &'a AtomicBool,
-    state: Option<(State, Acting)>,
     /// Ticks from normal speed to rest.
     ramp_s: f64,
     /// The pose at the end of all goals, SI.
@@ -68,32 +64,26 @@ pub(super) struct GoalSession<'a, N: Transmit> {
 }
 
 impl<'a, N: ServiceNumber> GoalSession<'a, N> {
-    /// Opens the port to the machine of `scene`.
+    /// Opens the port to the machine of `scene`, for goals over it.
     ///
     /// # Errors
     /// Refused: the scene in this number type. Failed: the port.
-    pub(super) fn open(
-        args: &'a MachineArgs,
-        scene: &Scene,
-        stop: &'a AtomicBool,
-    ) -> Result<Self, CliError> {
+    pub(super) fn open(args: &'a MachineArgs, scene: &Scene) -> Result<(Self, Port), CliError> {
         let (port, units, patience) = args.open::<N>(scene)?;
         let hello = local::hello::<N>(scene);
         let mut client = GoalClient::new(hello, patience, conversation());
         if let Some(percent) = args.feed {
             client.command(UserCommand::FeedOverride(percent));
         }
-        Ok(Self {
+        let session = Self {
             args,
             client,
-            port,
             words: Units::of_scene(scene, &units),
             units,
-            stop,
-            state: None,
             ramp_s: scene.service.hold_ramp_s,
             end: None,
-        })
+        };
+        Ok((session, port))
     }
 
     /// Pose where the last goal ends, or the machine's own moves; none before the first status, and while the machine comes to rest.
@@ -158,69 +148,39 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
     /// port or the board is lost.
     pub(super) fn run(
         &mut self,
+        port: &mut Port,
         goals: &mut impl Goals,
         strict: bool,
+        stop: &AtomicBool,
     ) -> Result<Option<[f64; 3]>, CliError> {
-        let start = Instant::now();
-        let mut stop_asked = false;
-        loop {
-            if self.stop.load(Ordering::Relaxed) && !stop_asked {
-                stop_asked = true;
-                say("Ctrl-C: the machine stops on its path");
-                self.command(UserCommand::Stop);
-                self.finish();
+        let under_way = GoalsUnderWay {
+            session: self,
+            goals,
+            strict,
+            is_stopped: false,
+        };
+        carry(&mut Told::new(under_way), port, stop)?
+    }
+
+    fn failure(&self, failure: &GoalFailure<N>) -> CliError {
+        let text = failure.describe(&self.words);
+        let text = match failure {
+            GoalFailure::Fault(_) => {
+                let command = self.args.command("enable", " --clear");
+                format!("{text}; {command} acknowledges it")
             }
-            // A board that computes in other numbers refuses the hello: the goals are for another conversation then.
-            if !stop_asked && self.client.identity().is_some() {
-                goals.want(self, start.elapsed())?;
+            GoalFailure::State(State::Unhomed) => {
+                format!("{text}: {} homes it", self.args.command("park", ""))
             }
-            if let Some(violation) = self.client.take_refused() {
-                self.end = None;
-                let why = describe::violation(&violation, 0, &self.words);
-                let text = format!("no motion to the goal: {why}");
-                if strict {
-                    return Err(CliError::Refused(text));
-                }
-                say(&text);
-                goals.refused(self);
-            }
-            match self.client.poll(start.elapsed()) {
-                GoalAction::Send(request) => {
-                    if let Err(error) = self.port.send(&request) {
-                        self.reopen(&error.to_string())?;
-                    }
-                }
-                GoalAction::Wait(until) => {
-                    let wait = until.saturating_sub(start.elapsed()).min(LOOK);
-                    self.receive(wait, start)?;
-                }
-                GoalAction::Lost => self.reopen("the board does not answer")?,
-                GoalAction::Finished(Ok(())) => return Ok(self.stands(stop_asked)),
-                GoalAction::Finished(Err(GoalFailure::Stopped(_))) if stop_asked => {
-                    return Ok(None);
-                }
-                GoalAction::Finished(Err(failure)) => {
-                    let text = failure.describe(&self.words);
-                    let text = match failure {
-                        GoalFailure::Fault(_) => {
-                            let command = self.args.command("enable", " --clear");
-                            format!("{text}; {command} acknowledges it")
-                        }
-                        GoalFailure::State(State::Unhomed) => {
-                            format!("{text}: {} homes it", self.args.command("park", ""))
-                        }
-                        GoalFailure::State(State::Cleared) => format!(
-                            "{text}: {} brings it to the start of its job",
-                            self.args.command("stream", " --recover 2")
-                        ),
-                        _ => text,
-                    };
-                    return Err(match failure {
-                        GoalFailure::Refused(refusal) => refused(&refusal, text),
-                        _ => CliError::Failed(text),
-                    });
-                }
-            }
+            GoalFailure::State(State::Cleared) => format!(
+                "{text}: {} brings it to the start of its job",
+                self.args.command("stream", " --recover 2")
+            ),
+            _ => text,
+        };
+        match failure {
+            GoalFailure::Refused(refusal) => refused(refusal, text),
+            _ => CliError::Failed(text),
         }
     }
 
@@ -233,30 +193,63 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
         self.end = None;
         self.end().filter(|_| !stopped)
     }
+}
 
-    fn reopen(&mut self, why: &str) -> Result<(), CliError> {
-        if let Some(text) = self.port.reopening(why) {
-            say(&text);
-        }
-        self.port.reopen(why, self.stop).map_err(CliError::Failed)?;
-        self.client.reconnected();
-        Ok(())
+/// Client and source of goals.
+struct GoalsUnderWay<'s, 'a, N: Transmit, G> {
+    session: &'s mut GoalSession<'a, N>,
+    goals: &'s mut G,
+    /// A goal that is refused is the end.
+    strict: bool,
+    is_stopped: bool,
+}
+
+impl<N: ServiceNumber, G: Goals> Dialogue<N> for GoalsUnderWay<'_, '_, N, G> {
+    type End = Result<Option<[f64; 3]>, CliError>;
+
+    const LOOK: Duration = Duration::from_millis(5);
+
+    fn poll(&mut self, now: Duration) -> Turn<N, Self::End> {
+        let session = &mut *self.session;
+        session.client.poll(now).map(|result| match result {
+            Ok(()) => Ok(session.stands(self.is_stopped)),
+            Err(GoalFailure::Stopped(_)) if self.is_stopped => Ok(None),
+            Err(failure) => Err(session.failure(&failure)),
+        })
     }
 
-    /// Listens for up to `wait` and takes what comes.
-    fn receive(&mut self, wait: Duration, start: Instant) -> Result<(), CliError> {
-        let messages = match self.port.receive(wait) {
-            Ok(messages) => messages,
-            Err(error) => return self.reopen(&error.to_string()),
-        };
-        for message in &messages {
-            if let Message::Event(Event::State { state, acting, .. }) = message
-                && self.state.replace((*state, *acting)) != Some((*state, *acting))
-            {
-                say(&describe::state(*state, *acting));
-            }
-            self.client.receive(message, start.elapsed());
+    fn attend(&mut self, now: Duration) -> Option<Self::End> {
+        let session = &mut *self.session;
+        // A board that computes in other numbers refuses the hello: the goals are for another conversation then.
+        if !self.is_stopped
+            && session.client.identity().is_some()
+            && let Err(failure) = self.goals.want(session, now)
+        {
+            return Some(Err(failure));
         }
-        Ok(())
+        if let Some(violation) = session.client.take_refused() {
+            session.end = None;
+            let why = describe::violation(&violation, 0, &session.words);
+            let text = format!("no motion to the goal: {why}");
+            if self.strict {
+                return Some(Err(CliError::Refused(text)));
+            }
+            say(&text);
+            self.goals.refused(session);
+        }
+        None
+    }
+
+    fn receive(&mut self, message: &Message<N>, now: Duration) {
+        self.session.client.receive(message, now);
+    }
+
+    fn stop(&mut self) {
+        self.is_stopped = true;
+        self.session.client.stop();
+    }
+
+    fn reconnected(&mut self) {
+        self.session.client.reconnected();
     }
 }

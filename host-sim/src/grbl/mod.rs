@@ -16,27 +16,23 @@ mod sender;
 pub use args::GrblArgs;
 
 use crate::device::Simulated;
+use crate::dialogue::{carry, reopening};
 use crate::failure::CliError;
 use crate::goals::MachineArgs;
 use crate::machine::require_mounted;
-use crate::stream::{Port, PortArgs, conversation, patience};
+use crate::stream::{PortArgs, conversation, patience};
 use crate::terminal::{print_line, say};
 use driver::{MachineDriver, place_of};
 use reach::SceneReach;
 use sender::{Sender, SenderDoor};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
-use trirrr_client::exchange::Turn;
-use trirrr_client::local;
+use std::time::Duration;
+use trirrr_client::{Dialogue, Turn, local};
 use trirrr_grbl::{Dialect, MachineAct, MachineFacts};
-use trirrr_line::{Address, KeyRefusal, Link, OpenError};
-use trirrr_protocol::message::Transmit;
+use trirrr_line::{Address, LostLine, Retry};
+use trirrr_protocol::message::{Message, Transmit};
 use trirrr_scene::{NumberType, ReachMap, Scene, in_number_type};
 use trirrr_service::ServiceNumber;
-
-/// Longest wait for the board before the sender is heard again.
-const LOOK: Duration = Duration::from_millis(1);
 
 /// Time that a board may be silent before it is found.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -114,7 +110,7 @@ fn serve<N: ServiceNumber>(
     args: &GrblArgs,
     scene: &Scene,
     line: &PortArgs,
-    mut door: SenderDoor,
+    door: SenderDoor,
     stop: &AtomicBool,
 ) -> Result<(), CliError> {
     let refused = |why: String| CliError::Refused(format!("scene {}: {why}", scene.name));
@@ -138,157 +134,142 @@ fn serve<N: ServiceNumber>(
         conversation(),
         args.corner / 1000.0,
     );
-    let mut machine = MachineLine {
+    let mut port = line.open(Retry::Always)?;
+    let mut server = SenderServer {
         driver,
-        port: Port::open(line, PATIENCE)?,
-        opening: None,
-        begun: Instant::now(),
+        dialect: Dialect::new(facts, place_of(&scene.job.start)),
+        door,
+        sender: None,
+        reach: &reach,
+        scene: &scene.name,
+        is_found: false,
+        is_open: true,
+        farewell: None,
+        is_stopped: false,
     };
-    machine.find(stop)?;
-    print_line(&format!(
-        "{} takes a sender for scene {}",
-        door.name(),
-        scene.name
-    ));
-    let mut dialect = Dialect::new(facts, place_of(&scene.job.start));
-    let mut client: Option<Sender> = None;
-    while !stop.load(Ordering::Relaxed) {
-        let lost = |error| CliError::Failed(format!("the port for senders is lost: {error}"));
-        if let Some(sender) = door.next(client.is_some()).map_err(lost)? {
-            print_line("a sender is connected");
-            dialect.connect();
-            client = Some(sender);
-        }
-        if let Some(sender) = &mut client
-            && let Err(error) = converse(sender, &mut dialect, &mut machine, &reach)
-        {
-            print_line(&format!("the sender is gone: {error}"));
-            client = None;
-            machine.driver.take(MachineAct::Stop);
-        }
-        machine.talk()?;
-    }
-    machine.farewell()
+    carry(&mut server, &mut port, stop)?
 }
 
-/// Carries out what the sender wants.
-fn converse<N: Transmit>(
-    sender: &mut Sender,
-    dialect: &mut Dialect,
-    machine: &mut MachineLine<N>,
-    reach: &SceneReach,
-) -> std::io::Result<()> {
-    dialect.bytes(&sender.receive()?);
-    if let Some(reason) = machine.driver.take_refused() {
-        dialect.refused(&reason);
-    }
-    let view = machine.driver.view();
-    for act in dialect.step(machine.begun.elapsed(), &view, reach) {
-        machine.driver.take(act);
-    }
-    sender.send(&dialect.take_output())?;
-    match dialect.is_closed() {
-        true => Err(std::io::Error::other("it is no sender of G-code")),
-        false => Ok(()),
-    }
-}
-
-/// Driver with its port.
-struct MachineLine<N: Transmit> {
+/// Senders of G-code, one at a time, and the machine behind them.
+struct SenderServer<'a, N: Transmit> {
     driver: MachineDriver<N>,
-    port: Port,
-    /// Attempt to open a port anew that is lost.
-    opening: Option<JoinHandle<Result<Box<dyn Link>, OpenError>>>,
-    begun: Instant,
+    dialect: Dialect,
+    door: SenderDoor,
+    sender: Option<Sender>,
+    reach: &'a SceneReach<'a>,
+    /// Name of the scene.
+    scene: &'a str,
+    /// The machine has answered, and senders are served.
+    is_found: bool,
+    /// The line to the machine is open.
+    is_open: bool,
+    is_stopped: bool,
+    /// Time at which the machine is to be off, behind a stop.
+    farewell: Option<Duration>,
 }
 
-impl<N: Transmit> MachineLine<N> {
-    /// Waits for the machine's first answer.
-    ///
-    /// # Errors
-    /// Failed: it does not come.
-    fn find(&mut self, stop: &AtomicBool) -> Result<(), CliError> {
-        while !self.driver.is_known() && !stop.load(Ordering::Relaxed) {
-            self.talk()?;
-            if self.begun.elapsed() > PATIENCE {
-                let why = self.driver.lost().unwrap_or("the board does not answer");
-                return Err(CliError::Failed(why.to_owned()));
+impl<N: Transmit> SenderServer<'_, N> {
+    /// Hears the sender, once the machine is found. Returns the end of the server.
+    fn serve(&mut self, now: Duration) -> Option<Result<(), CliError>> {
+        if !self.driver.is_known() && !self.is_found {
+            let why = self
+                .driver
+                .why_lost()
+                .unwrap_or("the board does not answer");
+            return (now > PATIENCE).then(|| Err(CliError::Failed(why.to_owned())));
+        }
+        if !std::mem::replace(&mut self.is_found, true) {
+            let (name, scene) = (self.door.name(), self.scene);
+            print_line(&format!("{name} takes a sender for scene {scene}"));
+        }
+        match self.door.next(self.sender.is_some()) {
+            Ok(None) => {}
+            Ok(Some(sender)) => {
+                print_line("a sender is connected");
+                self.dialect.connect();
+                self.sender = Some(sender);
+            }
+            Err(error) => {
+                let why = format!("the port for senders is lost: {error}");
+                return Some(Err(CliError::Failed(why)));
             }
         }
-        Ok(())
+        let mut sender = self.sender.take()?;
+        match self.converse(&mut sender, now) {
+            Ok(()) => self.sender = Some(sender),
+            Err(error) => {
+                print_line(&format!("the sender is gone: {error}"));
+                self.driver.take(MachineAct::Stop);
+            }
+        }
+        None
     }
 
-    /// Sends what is to be sent, and listens for a moment. A line that is lost is opened anew meanwhile, however long it takes.
-    fn talk(&mut self) -> Result<(), CliError> {
-        if let Some(opening) = self.opening.take_if(|opening| opening.is_finished()) {
-            // A panic there is a bug and goes on here.
-            let opened = opening.join();
-            let opened = opened.unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-            match opened {
-                Ok(link) => self.port.take(link),
-                Err(error) if error.may_pass() => self.opening = Some(self.port.open_anew()),
-                Err(error) => return Err(CliError::Failed(error.to_string())),
-            }
+    /// Carries out what the sender wants.
+    fn converse(&mut self, sender: &mut Sender, now: Duration) -> std::io::Result<()> {
+        self.dialect.bytes(&sender.receive()?);
+        if let Some(reason) = self.driver.take_refused() {
+            self.dialect.refused(&reason);
         }
-        if self.opening.is_some() {
-            std::thread::sleep(LOOK);
-            return Ok(());
+        let view = self.driver.view();
+        for act in self.dialect.step(now, &view, self.reach) {
+            self.driver.take(act);
         }
-        let wait = loop {
-            match self.driver.poll(self.begun.elapsed()) {
-                Turn::Send(request) => {
-                    if let Err(error) = self.port.send(&request) {
-                        self.lose(&error.to_string());
-                        return Ok(());
-                    }
-                }
-                Turn::Wait(until) => break until.saturating_sub(self.begun.elapsed()),
-                Turn::Free => break LOOK,
-                Turn::Silent => {
-                    self.lose("the board does not answer");
-                    return Ok(());
-                }
-            }
-        };
-        match self.port.receive(wait.min(LOOK)) {
-            Ok(messages) => {
-                for message in &messages {
-                    self.driver.receive(message, self.begun.elapsed());
-                }
-            }
-            // To open the port anew does not help.
-            Err(error) if KeyRefusal::of(&error).is_some() => {
-                return Err(CliError::Failed(error.to_string()));
-            }
-            Err(error) => self.lose(&error.to_string()),
-        }
-        match self.driver.failure.take() {
-            Some(failure) => Err(CliError::Refused(failure)),
-            None => Ok(()),
+        sender.send(&self.dialect.take_output())?;
+        match self.dialect.is_closed() {
+            true => Err(std::io::Error::other("it is no sender of G-code")),
+            false => Ok(()),
         }
     }
 
-    /// Begins to open the port anew.
-    fn lose(&mut self, why: &str) {
-        let why = format!("the line to the machine is lost: {why}");
-        say(&format!("{why}; opening the port anew"));
-        self.driver.lose(&why);
-        self.opening = Some(self.port.open_anew());
-    }
-
-    /// Brings the machine to rest and switches it off.
-    fn farewell(mut self) -> Result<(), CliError> {
-        self.driver.take(MachineAct::Stop);
-        self.driver.take(MachineAct::Sleep);
-        let until = self.begun.elapsed() + FAREWELL;
-        // A port that is lost now is lost for a command that ends.
-        while self.begun.elapsed() < until && self.opening.is_none() && !self.driver.is_off() {
-            self.talk()?;
-        }
-        if let Some(why) = self.driver.lost() {
+    /// Result behind a stop.
+    fn farewell(&self) -> Result<(), CliError> {
+        if let Some(why) = self.driver.why_lost() {
             return Err(CliError::Failed(why.to_owned()));
         }
         print_line("ended by Ctrl-C, with the drives off");
         Ok(())
+    }
+}
+
+impl<N: Transmit> Dialogue<N> for SenderServer<'_, N> {
+    type End = Result<(), CliError>;
+    const LOOK: Duration = Duration::from_millis(1);
+
+    fn poll(&mut self, now: Duration) -> Turn<N, Self::End> {
+        let turn = self.driver.poll(now);
+        turn.map(|why| Err(CliError::Refused(why)))
+    }
+
+    fn receive(&mut self, message: &Message<N>, now: Duration) {
+        self.driver.receive(message, now);
+    }
+
+    fn stop(&mut self) {
+        self.is_stopped = true;
+        self.driver.stop();
+    }
+
+    fn reconnected(&mut self) {
+        self.is_open = true;
+        self.driver.reconnected();
+    }
+
+    fn lost(&mut self, why: &LostLine, is_news: bool) {
+        self.is_open = false;
+        self.driver.lost(why, is_news);
+        if is_news {
+            say(&reopening(self.driver.why_lost().unwrap_or_default()));
+        }
+    }
+
+    fn attend(&mut self, now: Duration) -> Option<Self::End> {
+        if !self.is_stopped {
+            return self.serve(now);
+        }
+        // A port that is lost now is lost for a command that ends.
+        let until = *self.farewell.get_or_insert(now + FAREWELL);
+        let is_over = now >= until || !self.is_open || self.driver.is_off();
+        is_over.then(|| self.farewell())
     }
 }

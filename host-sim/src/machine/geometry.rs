@@ -1,6 +1,6 @@
 //! Another geometry for a board whose scene can be replaced: leg by leg, all of them or none.
 
-use super::talk::Talk;
+use super::talk::{Talk, other_answer};
 use crate::failure::CliError;
 use crate::goals::MachineArgs;
 use crate::numbers::in_boards_numbers;
@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicBool;
 use trirrr_client::describe;
 use trirrr_core::machine::Parameters;
 use trirrr_protocol::message::scene::{Leg, Platform, Section, SectionName};
-use trirrr_protocol::message::{Acting, Command, Reply, State, Status};
+use trirrr_protocol::message::{Acting, Command, State, Status};
 use trirrr_scene::{Scene, in_number_type};
 use trirrr_service::ServiceNumber;
 
@@ -87,14 +87,9 @@ fn put<N: ServiceNumber>(index: u8, leg: Leg) -> Command<N> {
 }
 
 fn read<N: ServiceNumber>(talk: &mut Talk<'_, N>, index: u8) -> Result<Leg, CliError> {
-    match talk.ask(Command::Read(SectionName::Leg(index)))? {
-        Reply::Section(Section::Leg { leg, .. }) => Ok(leg),
-        Reply::Refused(refusal) => Err(CliError::Refused(describe::refusal(
-            &refusal,
-            0,
-            &talk.units(),
-        ))),
-        _ => Err(CliError::Failed("the board answers something else".into())),
+    match talk.section(SectionName::Leg(index))? {
+        Section::Leg { leg, .. } => Ok(leg),
+        _ => Err(other_answer()),
     }
 }
 
@@ -102,14 +97,9 @@ fn read<N: ServiceNumber>(talk: &mut Talk<'_, N>, index: u8) -> Result<Leg, CliE
 pub(super) fn read_platform<N: ServiceNumber>(
     talk: &mut Talk<'_, N>,
 ) -> Result<Platform, CliError> {
-    match talk.ask(Command::Read(SectionName::Platform))? {
-        Reply::Section(Section::Platform(platform)) => Ok(platform),
-        Reply::Refused(refusal) => Err(CliError::Refused(describe::refusal(
-            &refusal,
-            0,
-            &talk.units(),
-        ))),
-        _ => Err(CliError::Failed("the board answers something else".into())),
+    match talk.section(SectionName::Platform)? {
+        Section::Platform(platform) => Ok(platform),
+        _ => Err(other_answer()),
     }
 }
 

@@ -178,11 +178,8 @@ fn show<N: ServiceNumber>(
         every: every as u16,
     })? {
         Reply::Done => {}
-        Reply::Refused(refusal) => {
-            let why = describe::refusal(&refusal, 0, &talk.units());
-            return Err(CliError::Refused(why));
-        }
-        _ => return Err(CliError::Failed("the board answers something else".into())),
+        Reply::Refused(refusal) => return Err(talk.refused(&refusal)),
+        _ => return Err(talk::other_answer()),
     }
     let platform = MeasuredPlatform::of(scene)?;
     let mut left = args.lines.unwrap_or(u32::MAX);

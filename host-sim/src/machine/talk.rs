@@ -1,31 +1,30 @@
 //! Questions to a machine, one after the other.
 
+use crate::dialogue::carry;
 use crate::failure::CliError;
 use crate::goals::MachineArgs;
 use crate::numbers::refused;
-use crate::stream::{Port, conversation};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use crate::stream::conversation;
+use std::sync::atomic::AtomicBool;
+use std::time::Duration;
 use trirrr_client::describe::{self, Units};
-use trirrr_client::exchange::{Exchange, Turn};
-use trirrr_client::local;
-use trirrr_line::OtherClient;
+use trirrr_client::exchange::Exchange;
+use trirrr_client::{Dialogue, Turn, local};
+use trirrr_line::{Line, Port, Retry};
+use trirrr_protocol::message::scene::{Section, SectionName};
 use trirrr_protocol::message::{Command, Message, Refusal, Reply, State, Status};
 use trirrr_scene::Scene;
 use trirrr_service::ServiceNumber;
 
-/// Longest wait for the board before Ctrl-C is looked at.
-const LOOK: Duration = Duration::from_millis(20);
+/// Wait until a command is repeated that the machine was too busy for.
+const BUSY: Duration = Duration::from_millis(20);
 
 /// Conversation with a machine.
 pub(super) struct Talk<'a, N: ServiceNumber> {
-    exchange: Exchange<N>,
+    inquiry: Inquiry<N>,
     port: Port,
     units: Units,
-    start: Instant,
     stop: &'a AtomicBool,
-    /// Messages that came beside the answers.
-    heard: Vec<Message<N>>,
 }
 
 impl<'a, N: ServiceNumber> Talk<'a, N> {
@@ -40,22 +39,26 @@ impl<'a, N: ServiceNumber> Talk<'a, N> {
     ) -> Result<Self, CliError> {
         let (port, units, patience) = args.open::<N>(scene)?;
         let mut talk = Self {
-            exchange: Exchange::new(patience, conversation()),
-            port,
+            inquiry: Inquiry {
+                exchange: Exchange::new(patience, conversation()),
+                heard: Vec::new(),
+                end: Duration::ZERO,
+                result: None,
+            },
+            // The command is given again by the user.
+            port: port.retrying(Retry::Never),
             units: Units::of_scene(scene, &units),
-            start: Instant::now(),
             stop,
-            heard: Vec::new(),
         };
-        let hello = local::hello::<N>(scene);
-        talk.exchange.greet(hello, talk.start.elapsed());
+        let (hello, now) = (local::hello::<N>(scene), talk.now());
+        talk.inquiry.exchange.greet(hello, now);
         match talk.converse()? {
             Reply::Hello(_) => Ok(talk),
             Reply::Refused(refusal) => {
                 let text = describe::refusal(&refusal, 0, &talk.units);
                 Err(refused(&refusal, text))
             }
-            _ => Err(CliError::Failed("the board answers something else".into())),
+            _ => Err(other_answer()),
         }
     }
 
@@ -69,7 +72,8 @@ impl<'a, N: ServiceNumber> Talk<'a, N> {
     /// # Errors
     /// Failed: the port, or no answer.
     pub(super) fn ask(&mut self, command: Command<N>) -> Result<Reply<N>, CliError> {
-        self.exchange.ask(command, self.start.elapsed());
+        let now = self.now();
+        self.inquiry.exchange.ask(command, now);
         self.converse()
     }
 
@@ -81,15 +85,11 @@ impl<'a, N: ServiceNumber> Talk<'a, N> {
         loop {
             return match self.ask(command)? {
                 Reply::Refused(Refusal::Busy) => {
-                    let came = self.listen(LOOK)?;
-                    self.heard.extend(came);
+                    let came = self.listen(BUSY)?;
+                    self.inquiry.heard.extend(came);
                     continue;
                 }
-                Reply::Refused(refusal) => Err(CliError::Refused(describe::refusal(
-                    &refusal,
-                    0,
-                    &self.units,
-                ))),
+                Reply::Refused(refusal) => Err(self.refused(&refusal)),
                 _ => Ok(()),
             };
         }
@@ -102,8 +102,25 @@ impl<'a, N: ServiceNumber> Talk<'a, N> {
     pub(super) fn status(&mut self) -> Result<Status<N>, CliError> {
         match self.ask(Command::Status)? {
             Reply::Status(status) => Ok(status),
-            _ => Err(CliError::Failed("the board answers something else".into())),
+            _ => Err(other_answer()),
         }
+    }
+
+    /// Reads a part of the scene.
+    ///
+    /// # Errors
+    /// As [`Self::done`].
+    pub(super) fn section(&mut self, name: SectionName) -> Result<Section, CliError> {
+        match self.ask(Command::Read(name))? {
+            Reply::Section(section) => Ok(section),
+            Reply::Refused(refusal) => Err(self.refused(&refusal)),
+            _ => Err(other_answer()),
+        }
+    }
+
+    /// Failure by a refusal of the board.
+    pub(super) fn refused(&self, refusal: &Refusal<N>) -> CliError {
+        CliError::Refused(describe::refusal(refusal, 0, &self.units))
     }
 
     /// Acknowledges a fault, and clears the errors of drives that are off.
@@ -115,7 +132,7 @@ impl<'a, N: ServiceNumber> Talk<'a, N> {
             self.done(Command::ClearFault)?;
             // The tick has to hear of it, and the drives.
             let came = self.listen(Duration::from_millis(200))?;
-            self.heard.extend(came);
+            self.inquiry.heard.extend(came);
         }
         Ok(())
     }
@@ -125,47 +142,65 @@ impl<'a, N: ServiceNumber> Talk<'a, N> {
     /// # Errors
     /// Failed: the port.
     pub(super) fn listen(&mut self, wait: Duration) -> Result<Vec<Message<N>>, CliError> {
-        let mut came = std::mem::take(&mut self.heard);
-        let end = Instant::now() + wait;
-        while let left = end.saturating_duration_since(Instant::now())
-            && !left.is_zero()
-        {
-            came.extend(self.receive(left)?);
-        }
-        Ok(came)
+        self.inquiry.end = self.now() + wait;
+        // The next question is not asked behind Ctrl-C.
+        let _: Option<Reply<N>> = self.drive(&AtomicBool::new(false))?;
+        Ok(std::mem::take(&mut self.inquiry.heard))
     }
 
-    fn receive(&mut self, wait: Duration) -> Result<Vec<Message<N>>, CliError> {
-        self.port.receive(wait).map_err(lost)
+    fn now(&self) -> Duration {
+        Line::<N>::now(&self.port)
+    }
+
+    fn drive(&mut self, stop: &AtomicBool) -> Result<Option<Reply<N>>, CliError> {
+        carry(&mut self.inquiry, &mut self.port, stop)?
     }
 
     fn converse(&mut self) -> Result<Reply<N>, CliError> {
-        loop {
-            if self.stop.load(Ordering::Relaxed) {
-                return Err(CliError::Failed("ended by Ctrl-C".into()));
-            }
-            match self.exchange.poll(self.start.elapsed()) {
-                Turn::Send(request) => self.port.send(&request).map_err(lost)?,
-                Turn::Wait(until) => {
-                    let wait = until.saturating_sub(self.start.elapsed()).min(LOOK);
-                    for message in self.receive(wait)? {
-                        match self.exchange.receive(&message) {
-                            Some((_, reply)) => return Ok(reply),
-                            None => self.heard.push(message),
-                        }
-                    }
-                }
-                Turn::Silent | Turn::Free => {
-                    return Err(CliError::Failed("the board does not answer".into()));
-                }
-            }
-        }
+        self.inquiry.end = Duration::MAX;
+        let reply = self.drive(self.stop)?;
+        reply.ok_or_else(|| CliError::Failed("the board does not answer".into()))
     }
 }
 
-fn lost(error: std::io::Error) -> CliError {
-    CliError::Failed(match OtherClient::is_in(&error) {
-        true => error.to_string(),
-        false => format!("the port is lost: {error}"),
-    })
+/// Failure by an answer that is none to the question.
+pub(super) fn other_answer() -> CliError {
+    CliError::Failed("the board answers something else".into())
+}
+
+/// Dialogue of one question, or of none for some time.
+struct Inquiry<N: ServiceNumber> {
+    exchange: Exchange<N>,
+    /// Messages that came beside the answers.
+    heard: Vec<Message<N>>,
+    /// Time of the end without an answer.
+    end: Duration,
+    result: Option<Result<Reply<N>, CliError>>,
+}
+
+impl<N: ServiceNumber> Dialogue<N> for Inquiry<N> {
+    type End = Result<Option<Reply<N>>, CliError>;
+
+    fn poll(&mut self, now: Duration) -> Turn<N, Self::End> {
+        if let Some(result) = self.result.take() {
+            return Turn::Done(result.map(Some));
+        }
+        match self.exchange.poll(now) {
+            Turn::Done(()) if now < self.end => Turn::Wait(self.end),
+            turn => turn.map(|()| Ok(None)),
+        }
+    }
+
+    fn receive(&mut self, message: &Message<N>, _: Duration) {
+        match self.exchange.receive(message) {
+            Some((_, reply)) => self.result = Some(Ok(reply)),
+            None => self.heard.push(message.clone()),
+        }
+    }
+
+    fn stop(&mut self) {
+        self.result = Some(Err(CliError::Failed("ended by Ctrl-C".into())));
+    }
+
+    fn reconnected(&mut self) {}
 }

@@ -1,10 +1,12 @@
 //! Arguments of `trirrr stream`.
 
 use crate::arguments::{DEFAULT_SCENE, factor, number_type};
+use crate::failure::CliError;
 use crate::job_file::JobFileArgs;
+use crate::serve::read_key;
 use clap::Args;
 use std::path::PathBuf;
-use trirrr_line::Address;
+use trirrr_line::{Address, Port, Retry};
 use trirrr_protocol::message::TelemetryFields;
 use trirrr_scene::NumberType;
 
@@ -20,6 +22,19 @@ pub struct PortArgs {
     /// Key file of a TCP port that expects a key
     #[arg(long, value_name = "FILE")]
     pub key: Option<PathBuf>,
+}
+
+impl PortArgs {
+    /// Opens the port, which is opened anew as `retry` says.
+    ///
+    /// # Errors
+    /// Refused: the key file. Failed: the port cannot be opened.
+    pub(crate) fn open(&self, retry: Retry) -> Result<Port, CliError> {
+        let key = self.key.as_deref().map(read_key).transpose()?;
+        let port = Port::new(self.port.clone(), self.baud, key, retry);
+        port.opened()
+            .map_err(|error| CliError::Failed(error.to_string()))
+    }
 }
 
 /// `trirrr stream`.

@@ -4,7 +4,6 @@ mod args;
 mod display;
 mod journal;
 mod keys;
-mod port;
 mod session;
 mod starts;
 mod summary;
@@ -12,9 +11,9 @@ mod work;
 
 pub use args::{PortArgs, StreamArgs};
 pub(crate) use keys::user_command;
-pub(crate) use port::Port;
 pub use session::StreamEnd;
 
+use crate::dialogue::carry;
 use crate::failure::CliError;
 use crate::figures::JobMarks;
 use crate::job_file::{self, LoadedJob, LongMoves, QueuedJob};
@@ -37,7 +36,7 @@ use trirrr_client::{
     BegunJob, JobClient, JobFailure, JobMark, JobPlace, JobWork, Patience, UserCommand,
     switched_label,
 };
-use trirrr_line::Address;
+use trirrr_line::{Address, Retry};
 use trirrr_protocol::message::{DriveSample, Telemetry, TelemetryFields, Transmit};
 use trirrr_protocol::wire::frame_length;
 use trirrr_protocol::wire::schema::longest;
@@ -326,7 +325,7 @@ impl Stream<'_> {
         };
         let every = telemetry_every::<N>(args, fields, scene, &display);
         let patience_s = Duration::from_secs_f64(args.patience);
-        let port = Port::open(&args.line, patience_s)?;
+        let mut port = args.line.open(Retry::For(patience_s))?;
         let is_rest = self.has_results.replace(true);
         let folder = match is_rest {
             true => next_folder(self.folder),
@@ -349,7 +348,6 @@ impl Stream<'_> {
         };
         let mut session = Session {
             client,
-            port,
             samples: Samples::new(&*pipeline, units),
             recorder,
             drives,
@@ -358,7 +356,6 @@ impl Stream<'_> {
             supply,
             every,
             keys: self.keys,
-            stop: self.stop,
             journal,
             place,
             is_over: false,
@@ -367,6 +364,8 @@ impl Stream<'_> {
             uses_tool,
             goes_back: false,
             inputs: None,
+            failure: None,
+            last: None,
         };
         if session.drives.is_some() {
             session.client = session.client.with_drives(every);
@@ -377,12 +376,11 @@ impl Stream<'_> {
         if let Some(longest) = scene.longest_stop() {
             session.display.note(&format!("a hold is {longest}"));
         }
-        let result = session.run();
+        let result = carry(&mut session, &mut port, self.stop).and_then(|end| end);
         session.journal.take(&session.client, place);
         played.goes_back = session.goes_back && matches!(result, Ok(StreamEnd::Stopped));
         let Session {
             client,
-            port,
             samples,
             recorder,
             drives,

@@ -3,25 +3,22 @@
 
 use super::display::Display;
 use super::journal::Journal;
-use super::port::Port;
 use super::starts::MoveStarts;
+use crate::dialogue::reopening;
 use crate::failure::CliError;
 use crate::numbers::refused;
 use crate::recording::{DriveRecorder, Recorder};
 use crate::supply::MoveSupply;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::Receiver;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use trirrr_client::describe::{self, Units};
 use trirrr_client::records::{Samples, is_of_a_job};
-use trirrr_client::{Action, JobClient, JobPlace, UserCommand};
+use trirrr_client::{Dialogue, JobClient, JobPlace, Turn, UserCommand};
+use trirrr_line::LostLine;
 use trirrr_protocol::message::{
     Acting, Event, InputState, InputStates, Message, Refusal, Reply, State, Telemetry, Transmit,
 };
 use trirrr_scene::words::short;
-
-/// Longest wait for the board before the user is heard.
-const LOOK: Duration = Duration::from_millis(20);
 
 /// Limit of the wait for the last samples of a job.
 const LAST_SAMPLES: Duration = Duration::from_millis(500);
@@ -41,7 +38,6 @@ pub enum StreamEnd {
 /// Stream under way.
 pub(super) struct Session<'a, N: Transmit> {
     pub(super) client: JobClient<N>,
-    pub(super) port: Port,
     pub(super) samples: Samples<'a, N>,
     pub(super) recorder: Recorder,
     /// Samples of the drives, if they tell something.
@@ -54,7 +50,6 @@ pub(super) struct Session<'a, N: Transmit> {
     /// Ticks from one sample to the next.
     pub(super) every: u16,
     pub(super) keys: Option<&'a Receiver<UserCommand>>,
-    pub(super) stop: &'a AtomicBool,
     pub(super) journal: Journal,
     /// Place on the job's path of a place on the moves that are played.
     pub(super) place: &'a dyn Fn(JobPlace) -> JobPlace,
@@ -70,39 +65,90 @@ pub(super) struct Session<'a, N: Transmit> {
     pub(super) goes_back: bool,
     /// Inputs, as they were told last.
     pub(super) inputs: Option<InputStates>,
+    /// A message could not be recorded.
+    pub(super) failure: Option<CliError>,
+    /// The job has ended; its last samples are waited for until then.
+    pub(super) last: Option<Duration>,
+}
+
+impl<N: Transmit> Dialogue<N> for Session<'_, N> {
+    /// Refused: the board refuses the scene or a move. Failed: the machine has a fault, or something cannot be written.
+    type End = Result<StreamEnd, CliError>;
+
+    fn poll(&mut self, now: Duration) -> Turn<N, Self::End> {
+        let turn = self.client.poll(now);
+        if matches!(turn, Turn::Done(_)) {
+            // Samples of the job are still on the line: answers overtake samples.
+            let last = *self.last.get_or_insert(now + LAST_SAMPLES);
+            if self.samples.have_begun() && !self.is_over && now < last {
+                return Turn::Wait(last);
+            }
+        }
+        turn.map(|result| self.ended(result))
+    }
+
+    fn receive(&mut self, message: &Message<N>, now: Duration) {
+        match message {
+            Message::Telemetry(sample) => {
+                let recorded = self.sample(sample);
+                self.fail(recorded);
+            }
+            Message::Drives(sample) => {
+                if let Some(drives) = self.drives.as_mut().filter(|_| !self.is_over) {
+                    let recorded = drives.drives(sample);
+                    self.fail(recorded);
+                }
+            }
+            Message::Event(Event::State { state, acting, .. }) => {
+                self.display.state(*state, *acting);
+            }
+            Message::Event(Event::Inputs(states)) => {
+                let before = self.client.status().map(|status| status.inputs);
+                let before = self.inputs.replace(*states).or(before);
+                if let Some(text) = describe::input_changes(before.as_ref(), states) {
+                    self.display.note(&text);
+                }
+            }
+            // To a resume by the user: the job goes on waiting.
+            Message::Reply {
+                reply: Reply::Refused(refusal @ Refusal::DoorOpen),
+                ..
+            } => self.refuse(refusal),
+            Message::Event(_) | Message::Reply { .. } => {}
+        }
+        self.client.receive(message, now);
+    }
+
+    fn stop(&mut self) {
+        self.display.note("Ctrl-C: the machine stops on its path");
+        self.client.stop();
+    }
+
+    fn reconnected(&mut self) {
+        self.client.reconnected();
+    }
+
+    fn lost(&mut self, why: &LostLine, is_news: bool) {
+        if is_news {
+            self.display.note(&reopening(why));
+        }
+    }
+
+    fn attend(&mut self, _: Duration) -> Option<Self::End> {
+        if self.failure.is_none() && self.last.is_none() {
+            self.tell_way();
+            self.listen_to_user();
+            let done = self.note().and_then(|()| self.supply());
+            self.fail(done);
+        }
+        self.failure.take().map(Err)
+    }
 }
 
 impl<N: Transmit> Session<'_, N> {
-    /// Streams the job to its end.
-    ///
-    /// # Errors
-    /// Refused: the board refuses the scene or a move. Failed: the machine has a fault, the port or
-    /// the board is lost, or something cannot be written.
-    pub(super) fn run(&mut self) -> Result<StreamEnd, CliError> {
-        let start = Instant::now();
-        let mut stop_asked = false;
-        loop {
-            self.listen_to_user(&mut stop_asked);
-            self.supply()?;
-            match self.client.poll(start.elapsed()) {
-                Action::Send(request) => {
-                    if let Err(error) = self.port.send(&request) {
-                        self.reopen(&error.to_string())?;
-                    }
-                }
-                Action::Wait(until) => {
-                    let wait = until.saturating_sub(start.elapsed()).min(LOOK);
-                    self.receive(wait, start)?;
-                }
-                Action::Lost => self.reopen("the board does not answer")?,
-                Action::Finished(result) => {
-                    self.receive_last(start)?;
-                    return self.ended(result);
-                }
-            }
-            self.note()?;
-            self.tell_way();
-        }
+    /// Keeps the first failure: the stream ends by it.
+    fn fail(&mut self, done: Result<(), CliError>) {
+        self.failure = self.failure.take().or(done.err());
     }
 
     /// Writes the journal now and then. The name of the job is written at once: before the machine has a move of it.
@@ -140,12 +186,7 @@ impl<N: Transmit> Session<'_, N> {
         }
     }
 
-    fn listen_to_user(&mut self, stop_asked: &mut bool) {
-        if self.stop.load(Ordering::Relaxed) && !*stop_asked {
-            *stop_asked = true;
-            self.display.note("Ctrl-C: the machine stops on its path");
-            self.client.command(UserCommand::Stop);
-        }
+    fn listen_to_user(&mut self) {
         let asked: Vec<_> = self.keys.iter().flat_map(|keys| keys.try_iter()).collect();
         for ask in asked {
             match ask {
@@ -186,60 +227,6 @@ impl<N: Transmit> Session<'_, N> {
     fn refuse(&self, refusal: &Refusal<N>) {
         let why = describe::refusal(refusal, 0, &Units::si(1.0));
         self.display.note(&format!("refused: {why}"));
-    }
-
-    fn reopen(&mut self, why: &str) -> Result<(), CliError> {
-        if let Some(text) = self.port.reopening(why) {
-            self.display.note(&text);
-        }
-        self.port.reopen(why, self.stop).map_err(CliError::Failed)?;
-        self.client.reconnected();
-        Ok(())
-    }
-
-    /// Listens for up to `wait` and takes what comes.
-    fn receive(&mut self, wait: Duration, start: Instant) -> Result<(), CliError> {
-        let messages = match self.port.receive(wait) {
-            Ok(messages) => messages,
-            Err(error) => return self.reopen(&error.to_string()),
-        };
-        for message in &messages {
-            match message {
-                Message::Telemetry(sample) => self.sample(sample)?,
-                Message::Event(Event::State { state, acting, .. }) => {
-                    self.display.state(*state, *acting);
-                }
-                Message::Drives(sample) => {
-                    if let Some(drives) = self.drives.as_mut().filter(|_| !self.is_over) {
-                        drives.drives(sample)?;
-                    }
-                }
-                Message::Event(Event::Inputs(states)) => {
-                    let before = self.client.status().map(|status| status.inputs);
-                    let before = self.inputs.replace(*states).or(before);
-                    if let Some(text) = describe::input_changes(before.as_ref(), states) {
-                        self.display.note(&text);
-                    }
-                }
-                // To a resume by the user: the job goes on waiting.
-                Message::Reply {
-                    reply: Reply::Refused(refusal @ Refusal::DoorOpen),
-                    ..
-                } => self.refuse(refusal),
-                Message::Event(_) | Message::Reply { .. } => {}
-            }
-            self.client.receive(message, start.elapsed());
-        }
-        Ok(())
-    }
-
-    /// Receives the samples of a finished job that are still on the line: answers overtake samples.
-    fn receive_last(&mut self, start: Instant) -> Result<(), CliError> {
-        let end = Instant::now() + LAST_SAMPLES;
-        while self.samples.have_begun() && !self.is_over && Instant::now() < end {
-            self.receive(LOOK, start)?;
-        }
-        Ok(())
     }
 
     fn sample(&mut self, sample: &Telemetry<N>) -> Result<(), CliError> {

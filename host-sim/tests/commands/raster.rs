@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 use tempfile::TempDir;
 use trirrr_client::local::{self, LocalService};
-use trirrr_client::{Action, JobClient, JobPlace, JobRest, JobWork, Patience, UserCommand};
+use trirrr_client::{Dialogue, JobClient, JobPlace, JobRest, JobWork, Patience, Turn, UserCommand};
 use trirrr_host_sim::job_file::{DrawingArgs, ImageArgs, JobFileArgs, read_job};
 use trirrr_protocol::message::{Message, State, Telemetry};
 use trirrr_scene::{Scene, offer};
@@ -112,19 +112,19 @@ fn play(
     let (mut holds, mut next, mut held, mut ran) = (course.holds.iter(), None, false, 0_u32);
     loop {
         match client.poll(now) {
-            Action::Send(request) => {
+            Turn::Send(request) => {
                 let reply = machine.receive(&request);
                 while machine.work() {}
                 let sequence = request.sequence;
                 client.receive(&Message::Reply { sequence, reply }, now);
                 continue;
             }
-            Action::Finished(result) => {
+            Turn::Done(result) => {
                 assert_eq!(result.is_ok(), course.stop.is_none(), "{result:?}");
                 return (samples, client.interrupted());
             }
-            Action::Wait(_) => {}
-            Action::Lost => panic!("no answer"),
+            Turn::Wait(_) => {}
+            Turn::Reconnect => panic!("no answer"),
         }
         machine.tick();
         while machine.work() {}

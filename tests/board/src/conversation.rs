@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 use trirrr_bench::faulty_link::{FaultyLink, Random};
 use trirrr_bench::sent::Sent;
 use trirrr_client::local::HostNumber;
-use trirrr_client::{Action, JobClient, JobFailure, JobWork, Patience, UserCommand};
+use trirrr_client::{Dialogue, JobClient, JobFailure, JobWork, Patience, Turn, UserCommand};
 use trirrr_line::Frames;
 use trirrr_protocol::message::{Message, Reply, Telemetry, TelemetryFields};
 
@@ -205,20 +205,20 @@ impl Conversation {
             let mut wait = LOOK;
             if over.is_none() {
                 wait = match client.poll(start.elapsed()) {
-                    Action::Send(request) => {
+                    Turn::Send(request) => {
                         self.tally.requests += 1;
                         noise = Noise::Asked;
                         self.to_board.send(&port::frame(&request));
                         self.send()?;
                         continue;
                     }
-                    Action::Wait(until) => until.saturating_sub(start.elapsed()).min(LOOK),
-                    Action::Lost => {
+                    Turn::Wait(until) => until.saturating_sub(start.elapsed()).min(LOOK),
+                    Turn::Reconnect => {
                         self.reconnect()?;
                         client.reconnected();
                         continue;
                     }
-                    Action::Finished(result) => {
+                    Turn::Done(result) => {
                         over = Some((Instant::now(), result));
                         continue;
                     }

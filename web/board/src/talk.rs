@@ -5,7 +5,7 @@ use crate::{BoardCommand, BoardView};
 use std::time::Duration;
 use trirrr_client::describe::{self, Units};
 use trirrr_client::{
-    Action, GoalAction, GoalClient, JobClient, JobWork, ManualAction, ManualClient, Patience,
+    Dialogue, GoalClient, GoalFailure, JobClient, JobWork, ManualClient, Patience, Turn,
     UserCommand,
 };
 use trirrr_core::setpoint::Pose;
@@ -40,11 +40,8 @@ pub(crate) enum Talking<N: Transmit> {
     Steps(Box<GoalClient<N>>),
 }
 
-/// Next act of a client, whichever it is.
-enum TalkTurn<N: Transmit> {
-    Send(Request<N>),
-    Wait(Duration),
-    Lost,
+/// End of a client, whichever it is, in words.
+enum ClientEnd {
     /// The client has nothing more to do, for this reason.
     Over(String),
     /// The board does not talk with this page.
@@ -188,36 +185,30 @@ impl<N: Transmit> BoardTalk<N> {
         self.is_way_told = false;
     }
 
-    fn turn(&mut self, now: Duration) -> TalkTurn<N> {
+    fn turn(&mut self, now: Duration) -> Turn<N, ClientEnd> {
         match &mut self.talking {
-            Talking::Manual(client) => match client.poll(now) {
-                ManualAction::Send(request) => TalkTurn::Send(request),
-                ManualAction::Wait(until) => TalkTurn::Wait(until),
-                ManualAction::Lost => TalkTurn::Lost,
-                ManualAction::Refused(refusal) => TalkTurn::Closed(self.why_closed(&refusal)),
-            },
-            Talking::Job(client) => match client.poll(now) {
-                Action::Send(request) => TalkTurn::Send(request),
-                Action::Wait(until) => TalkTurn::Wait(until),
-                Action::Lost => TalkTurn::Lost,
-                Action::Finished(Ok(())) => TalkTurn::Over("the job is played to its end".into()),
-                Action::Finished(Err(failure)) => TalkTurn::Over(client.describe(&failure)),
-            },
+            Talking::Manual(client) => {
+                let turn = client.poll(now);
+                turn.map(|refusal| ClientEnd::Closed(self.why_closed(&refusal)))
+            }
+            Talking::Job(client) => {
+                let turn = client.poll(now);
+                turn.map(|end| {
+                    ClientEnd::Over(match end {
+                        Ok(()) => "the job is played to its end".into(),
+                        Err(failure) => client.describe(&failure),
+                    })
+                })
+            }
             Talking::Steps(client) => {
                 if let Some(violation) = client.take_refused() {
                     self.aimed = None;
                     let why = describe::violation(&violation, 0, &self.units);
                     self.notes.push(format!("no motion to the goal: {why}"));
                 }
-                match client.poll(now) {
-                    GoalAction::Send(request) => TalkTurn::Send(request),
-                    GoalAction::Wait(until) => TalkTurn::Wait(until),
-                    GoalAction::Lost => TalkTurn::Lost,
-                    GoalAction::Finished(Ok(())) => TalkTurn::Over(String::new()),
-                    GoalAction::Finished(Err(failure)) => {
-                        TalkTurn::Over(failure.describe(&self.units))
-                    }
-                }
+                let why = |failure: GoalFailure<N>| failure.describe(&self.units);
+                let turn = client.poll(now);
+                turn.map(|end| ClientEnd::Over(end.err().map_or_else(String::new, why)))
             }
         }
     }
@@ -366,16 +357,16 @@ impl<N: Transmit> Talk for BoardTalk<N> {
                 return Duration::MAX;
             }
             match self.turn(now) {
-                TalkTurn::Send(request) => Frames::append(&request, out),
-                TalkTurn::Wait(until) => return until,
-                TalkTurn::Closed(why) => self.closed = Some(why),
-                TalkTurn::Over(text) => {
+                Turn::Send(request) => Frames::append(&request, out),
+                Turn::Wait(until) => return until,
+                Turn::Done(ClientEnd::Closed(why)) => self.closed = Some(why),
+                Turn::Done(ClientEnd::Over(text)) => {
                     if !text.is_empty() {
                         self.notes.push(text);
                     }
                     self.take_hands();
                 }
-                TalkTurn::Lost => {
+                Turn::Reconnect => {
                     if !std::mem::replace(&mut self.is_silent, true) {
                         self.notes.push("the board does not answer".into());
                     }

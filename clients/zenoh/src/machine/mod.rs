@@ -10,37 +10,29 @@ use crate::control::Control;
 use crate::error::ZenohError;
 use crate::history::History;
 use crate::joint_states::joint_state;
-use crate::line::MachineLine;
 use crate::outlet::Outlet;
 use crate::records::{self, BatchHeader, RecordBytes};
 use crate::task::Task;
 use commands::Order;
 use inbox::Incoming;
 use std::collections::{BTreeMap, VecDeque};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use std::sync::mpsc::{Receiver, Sender, channel};
-use std::time::{Duration, Instant, SystemTime};
-use talk::LineEnd;
+use std::time::{Duration, SystemTime};
 use trirrr_client::describe::Units;
 use trirrr_client::exchange::{Exchange, Patience};
-use trirrr_client::local;
-use trirrr_line::entropy;
+use trirrr_client::{drive, local};
+use trirrr_line::{Line, entropy};
 use trirrr_protocol::message::{Acting, Hello, Identity, State, Status, Telemetry, Transmit};
 use trirrr_scene::Scene;
 use trirrr_service::ServiceNumber;
 use zenoh::query::Query;
-
-/// Pause while there is no line.
-const NO_LINE: Duration = Duration::from_millis(10);
 
 /// Time from one status to the next, while nothing happens.
 const STATUS_EVERY: Duration = Duration::from_millis(100);
 
 /// Time until a request is made again that the machine did not take yet.
 const PAUSE: Duration = Duration::from_millis(5);
-
-/// Time from one attempt to open a line to the next.
-const ATTEMPTS_EVERY: Duration = Duration::from_millis(500);
 
 /// Longest time that samples wait for others of their batch, and most of them.
 const BATCH_EVERY: Duration = Duration::from_millis(50);
@@ -80,7 +72,9 @@ pub(crate) struct Worker<'a, N: ServiceNumber> {
     outlet: Outlet,
     inbox: Receiver<Incoming>,
     sender: Sender<Incoming>,
-    start: Instant,
+    /// Time of the last look at the machine, since the start.
+    now: Duration,
+    is_stopped: bool,
 
     exchange: Exchange<N>,
     is_greeted: bool,
@@ -91,7 +85,8 @@ pub(crate) struct Worker<'a, N: ServiceNumber> {
     is_connected: bool,
     /// Why the line is lost.
     lost: Option<String>,
-    attempt: Duration,
+    /// Reason why the machine is another one.
+    refused: Option<String>,
 
     identity: Option<Identity>,
     status: Option<Status<N>>,
@@ -142,7 +137,8 @@ impl<'a, N: ServiceNumber> Worker<'a, N> {
             outlet,
             inbox,
             sender,
-            start: Instant::now(),
+            now: Duration::ZERO,
+            is_stopped: false,
             exchange: Exchange::new(Patience::default(), entropy()),
             is_greeted: false,
             is_subscribed: false,
@@ -150,7 +146,7 @@ impl<'a, N: ServiceNumber> Worker<'a, N> {
             pause: Duration::ZERO,
             is_connected: false,
             lost: None,
-            attempt: Duration::ZERO,
+            refused: None,
             identity: None,
             status: None,
             state: None,
@@ -178,7 +174,7 @@ impl<'a, N: ServiceNumber> Worker<'a, N> {
     }
 
     fn now(&self) -> Duration {
-        self.start.elapsed()
+        self.now
     }
 
     /// Carries the machine until `stop` is raised.
@@ -187,68 +183,11 @@ impl<'a, N: ServiceNumber> Worker<'a, N> {
     /// Refused: the machine was built from another scene, or its port cannot be opened at all.
     pub(crate) fn run(
         &mut self,
-        line: &mut dyn MachineLine<N>,
+        line: &mut dyn Line<N>,
         stop: &AtomicBool,
     ) -> Result<(), ZenohError> {
-        while !stop.load(Ordering::Relaxed) {
-            self.take_incoming();
-            if !self.is_connected && !self.reopen(line)? {
-                self.publish();
-                std::thread::sleep(NO_LINE);
-                continue;
-            }
-            let talked = self.speak(line).and_then(|()| self.listen(line));
-            if let Err(why) = talked {
-                match why {
-                    // Another machine in the place of one that was here ends nothing: the others go on.
-                    LineEnd::Refused(why) if self.identity.is_none() => {
-                        return Err(ZenohError::Refused(why));
-                    }
-                    LineEnd::Lost(why) | LineEnd::Refused(why) => self.lose(&why),
-                }
-            }
-            self.publish();
-        }
-        self.outlet.alive(false);
-        Ok(())
-    }
-
-    /// Opens the line if it is time. Returns true once it is open.
-    fn reopen(&mut self, line: &mut dyn MachineLine<N>) -> Result<bool, ZenohError> {
-        let now = self.now();
-        if now < self.attempt {
-            return Ok(false);
-        }
-        self.attempt = now + ATTEMPTS_EVERY;
-        match line.open() {
-            Ok(()) => {
-                self.is_connected = true;
-                if self.lost.take().is_some() {
-                    self.event("line", "the line is open again");
-                }
-                // What was asked is asked again under its number: the machine executes it once.
-                self.exchange.reopened(now);
-                if let Some(task) = &mut self.task {
-                    task.reconnected();
-                }
-                self.look = now;
-                Ok(true)
-            }
-            Err((why, may_pass)) if may_pass || self.identity.is_some() => {
-                self.lose(&why);
-                Ok(false)
-            }
-            Err((why, _)) => Err(ZenohError::Refused(why)),
-        }
-    }
-
-    fn lose(&mut self, why: &str) {
-        self.is_connected = false;
-        self.outlet.alive(false);
-        if self.lost.as_deref() != Some(why) {
-            self.event("line", &format!("the line is lost: {why}"));
-            self.lost = Some(why.into());
-        }
+        self.is_connected = line.is_open();
+        drive(self, line, stop).unwrap_or_else(|why| Err(ZenohError::Refused(why.to_string())))
     }
 
     fn sample(&mut self, sample: &Telemetry<N>) {

@@ -3,18 +3,14 @@
 use super::commands::Order;
 use super::{PAUSE, STATUS_EVERY, Worker};
 use crate::answer::CommandOutcome;
-use crate::line::MachineLine;
-use crate::task::TaskTurn;
+use crate::error::ZenohError;
 use std::time::Duration;
-use trirrr_client::describe;
-use trirrr_client::exchange::Turn;
+use trirrr_client::{Dialogue, Turn, describe};
+use trirrr_line::LostLine;
 use trirrr_protocol::message::{
-    Acting, Command, Event, Message, Refusal, Reply, Request, State, TelemetryFields,
+    Acting, Command, Event, Message, Refusal, Reply, State, TelemetryFields,
 };
 use trirrr_service::ServiceNumber;
-
-/// Longest wait for what the machine sends: a command of a client waits as long at most.
-const LISTEN: Duration = Duration::from_millis(10);
 
 impl<N: ServiceNumber> Worker<'_, N> {
     /// Returns true if the machine may hear this program: it rests, or a client has control and is there. Otherwise its own host timeout
@@ -39,21 +35,6 @@ impl<N: ServiceNumber> Worker<'_, N> {
         !self.orders.is_empty() || self.asked.is_some()
     }
 
-    /// Says what there is to say.
-    pub(super) fn speak(&mut self, line: &mut dyn MachineLine<N>) -> Result<(), LineEnd> {
-        self.drop_orders_without_control();
-        while self.may_speak() {
-            let now = self.now();
-            let request = match self.chooses_task(now) {
-                true => self.poll_task(now)?,
-                false => self.poll_own(now)?,
-            };
-            let Some(request) = request else { break };
-            line.send(&request).map_err(LineEnd::lost)?;
-        }
-        Ok(())
-    }
-
     /// Gives the conversation to the task, or takes it back for orders. Returns true if the task has it.
     fn chooses_task(&mut self, now: Duration) -> bool {
         let Some(task) = &mut self.task else {
@@ -72,9 +53,10 @@ impl<N: ServiceNumber> Worker<'_, N> {
         wants
     }
 
-    fn poll_task(&mut self, now: Duration) -> Result<Option<Request<N>>, LineEnd> {
+    fn poll_task(&mut self, now: Duration) -> Turn<N, Result<(), ZenohError>> {
+        let listen = Turn::Wait(Duration::MAX);
         let Some(task) = &mut self.task else {
-            return Ok(None);
+            return listen;
         };
         let turn = task.poll(now, &self.units);
         if let Some(status) = task.status() {
@@ -89,28 +71,26 @@ impl<N: ServiceNumber> Worker<'_, N> {
             self.complete(&owner, number, outcome);
         }
         match turn {
-            TaskTurn::Send(request) => Ok(Some(request)),
-            TaskTurn::Wait => Ok(None),
-            TaskTurn::Lost => Err(LineEnd::Lost("the machine does not answer".into())),
-            TaskTurn::Finished(end) => {
+            Turn::Send(request) => Turn::Send(request),
+            Turn::Wait(_) => listen,
+            Turn::Reconnect => Turn::Reconnect,
+            Turn::Done(end) => {
                 self.finish_task(end);
-                Ok(None)
+                listen
             }
         }
     }
 
-    /// Next request of the conversation without a task.
-    fn poll_own(&mut self, now: Duration) -> Result<Option<Request<N>>, LineEnd> {
+    /// Next act of the conversation without a task.
+    fn poll_own(&mut self, now: Duration) -> Turn<N, Result<(), ZenohError>> {
         loop {
             match self.exchange.poll(now) {
-                Turn::Send(request) => return Ok(Some(request)),
-                Turn::Wait(_) => return Ok(None),
-                Turn::Silent => return Err(LineEnd::Lost("the machine does not answer".into())),
-                Turn::Free if !self.is_greeted => self.exchange.greet(self.hello, now),
-                Turn::Free => match self.next(now) {
+                Turn::Done(()) if !self.is_greeted => self.exchange.greet(self.hello, now),
+                Turn::Done(()) => match self.next(now) {
                     Some(command) => self.exchange.ask(command, now),
-                    None => return Ok(None),
+                    None => return Turn::Wait(Duration::MAX),
                 },
+                turn => return turn.map(Ok),
             }
         }
     }
@@ -131,30 +111,6 @@ impl<N: ServiceNumber> Worker<'_, N> {
         (now >= self.look).then_some(Command::Status)
     }
 
-    /// Hears what the machine says.
-    pub(super) fn listen(&mut self, line: &mut dyn MachineLine<N>) -> Result<(), LineEnd> {
-        let mut heard = Vec::new();
-        line.receive(LISTEN, &mut |message| heard.push(message))
-            .map_err(LineEnd::lost)?;
-        let now = self.now();
-        for message in heard {
-            match &message {
-                Message::Telemetry(sample) => self.sample(sample),
-                Message::Event(event) => self.hear_event(event, now),
-                Message::Reply { .. } | Message::Drives(_) => {}
-            }
-            match &mut self.task {
-                Some(task) if self.is_task_on => task.receive(&message, now),
-                _ => {
-                    if let Some((request, reply)) = self.exchange.receive(&message) {
-                        self.hear_reply(&request.command, reply, now)?;
-                    }
-                }
-            }
-        }
-        Ok(())
-    }
-
     fn hear_event(&mut self, event: &Event<N>, now: Duration) {
         if let Event::State { state, acting, .. } = event {
             self.found((*state, *acting));
@@ -171,12 +127,7 @@ impl<N: ServiceNumber> Worker<'_, N> {
         self.host_was_silent(found.1);
     }
 
-    fn hear_reply(
-        &mut self,
-        command: &Command<N>,
-        reply: Reply<N>,
-        now: Duration,
-    ) -> Result<(), LineEnd> {
+    fn hear_reply(&mut self, command: &Command<N>, reply: Reply<N>, now: Duration) {
         match reply {
             Reply::Hello(identity) => {
                 self.is_greeted = true;
@@ -206,7 +157,7 @@ impl<N: ServiceNumber> Worker<'_, N> {
                 | Refusal::Scene { .. }),
             ) => {
                 let why = describe::refusal(&refusal, 0, &self.units);
-                return Err(LineEnd::Refused(format!("{}: {why}", self.setup.name)));
+                self.refused = Some(format!("{}: {why}", self.setup.name));
             }
             Reply::Refused(
                 Refusal::HelloFirst | Refusal::Sequence { .. } | Refusal::SequenceReused,
@@ -227,20 +178,88 @@ impl<N: ServiceNumber> Worker<'_, N> {
                 }
             },
         }
-        Ok(())
     }
 }
 
-/// End of a line.
-pub(super) enum LineEnd {
-    /// It is opened anew.
-    Lost(String),
-    /// The machine is another one.
-    Refused(String),
-}
+impl<N: ServiceNumber> Dialogue<N> for Worker<'_, N> {
+    /// Refused: the machine was built from another scene.
+    type End = Result<(), ZenohError>;
+    /// A command of a client waits as long at most.
+    const LOOK: Duration = Duration::from_millis(10);
 
-impl LineEnd {
-    fn lost(error: std::io::Error) -> Self {
-        Self::Lost(error.to_string())
+    fn poll(&mut self, now: Duration) -> Turn<N, Self::End> {
+        // Another machine in the place of one that was here ends nothing: the others go on.
+        if self.refused.is_some() && self.identity.is_some() {
+            return Turn::Reconnect;
+        }
+        if let Some(why) = self.refused.take() {
+            return Turn::Done(Err(ZenohError::Refused(why)));
+        }
+        if !self.may_speak() {
+            return Turn::Wait(Duration::MAX);
+        }
+        match self.chooses_task(now) {
+            true => self.poll_task(now),
+            false => self.poll_own(now),
+        }
+    }
+
+    fn receive(&mut self, message: &Message<N>, now: Duration) {
+        self.now = now;
+        match message {
+            Message::Telemetry(sample) => self.sample(sample),
+            Message::Event(event) => self.hear_event(event, now),
+            Message::Reply { .. } | Message::Drives(_) => {}
+        }
+        match &mut self.task {
+            Some(task) if self.is_task_on => task.receive(message, now),
+            _ => {
+                if let Some((request, reply)) = self.exchange.receive(message) {
+                    self.hear_reply(&request.command, reply, now);
+                }
+            }
+        }
+    }
+
+    fn stop(&mut self) {
+        self.is_stopped = true;
+    }
+
+    fn reconnected(&mut self) {
+        self.is_connected = true;
+        if self.lost.take().is_some() {
+            self.event("line", "the line is open again");
+        }
+        // What was asked is asked again under its number: the machine executes it once.
+        self.exchange.reopened(self.now);
+        if let Some(task) = &mut self.task {
+            task.reconnected();
+        }
+        self.look = self.now;
+    }
+
+    fn lost(&mut self, why: &LostLine, _: bool) {
+        self.is_connected = false;
+        self.outlet.alive(false);
+        let why = self.refused.take().unwrap_or_else(|| why.to_string());
+        if self.lost.as_ref() != Some(&why) {
+            self.event("line", &format!("the line is lost: {why}"));
+            self.lost = Some(why);
+        }
+    }
+
+    /// Looks at clients and their commands, and publishes what there is to publish.
+    fn attend(&mut self, now: Duration) -> Option<Self::End> {
+        self.now = now;
+        self.publish();
+        self.take_incoming();
+        if self.is_stopped {
+            self.outlet.alive(false);
+            return Some(Ok(()));
+        }
+        if self.is_connected {
+            self.drop_orders_without_control();
+        }
+        None
     }
 }

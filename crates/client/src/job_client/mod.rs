@@ -11,7 +11,8 @@ mod supply;
 mod work;
 
 use crate::describe::Units;
-use crate::exchange::{Exchange, Patience, Turn};
+use crate::dialogue::{Dialogue, Turn};
+use crate::exchange::{Exchange, Patience};
 use crate::user_commands::{UserCommand, UserCommands};
 use crate::{BegunJob, JobFailure, JobPlace};
 use phase::{Next, Phase};
@@ -25,20 +26,6 @@ use trirrr_protocol::message::{
 };
 use trirrr_scene::{CarriedTools, JobOutputs};
 pub use work::{JobWork, switched_label};
-
-/// Next act of the owner of the port.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Action<N: Transmit> {
-    /// Send this to the machine.
-    Send(Request<N>),
-    /// Listen; unless something comes, nothing is to be done before this time.
-    Wait(Duration),
-    /// The machine does not answer: open the port anew and call [`JobClient::reconnected`], or give
-    /// up.
-    Lost,
-    /// The job has ended: played to its end, or why not.
-    Finished(Result<(), JobFailure<N>>),
-}
 
 /// Client that plays one job on a machine, without a port and a clock of its own.
 #[derive(Clone, Debug)]
@@ -358,38 +345,50 @@ impl<N: Transmit> JobClient<N> {
         }
     }
 
-    /// Begins the conversation again on a port that was opened anew. The job goes on where it is.
-    pub fn reconnected(&mut self) {
-        if !matches!(self.phase, Phase::Ending(_) | Phase::Finished(_)) {
-            self.phase = Phase::Greeting;
+    /// Takes note of the place of a sample, if the tool of the job is allowed there: not on a ramp to rest behind a stop, a fault or a door.
+    fn on_sample(&mut self, sample: &Telemetry<N>) {
+        let plays = match sample.state {
+            State::Running => true,
+            State::Slowing | State::Holding => sample.acting != Acting::Door,
+            _ => false,
+        };
+        if let Some(index) = self.index(sample.number).filter(|_| plays && self.is_named) {
+            let at = sample.at;
+            self.reached = self.reached.max(JobPlace { index, at });
         }
-        self.user.commands.recall();
-        self.exchange.forget();
     }
 
-    /// Returns the next act at `now`, counted from any start and never going back.
-    pub fn poll(&mut self, now: Duration) -> Action<N> {
+    fn enter(&mut self, phase: Phase<N>) {
+        if matches!(phase, Phase::Ending(_)) {
+            self.schedule.hurry();
+        }
+        self.phase = phase;
+    }
+}
+
+impl<N: Transmit> Dialogue<N> for JobClient<N> {
+    /// The job was played to its end, or the reason why not.
+    type End = Result<(), JobFailure<N>>;
+
+    fn poll(&mut self, now: Duration) -> Turn<N, Self::End> {
         loop {
             if let Phase::Finished(result) = &self.phase {
-                return Action::Finished(*result);
+                return Turn::Done(*result);
             }
             let due = match self.exchange.poll(now) {
-                Turn::Send(request) => return Action::Send(request),
-                Turn::Wait(until) if !self.goes_on() => return Action::Wait(until),
-                Turn::Wait(until) => until,
-                Turn::Silent => return Action::Lost,
-                Turn::Free => Duration::MAX,
+                Turn::Wait(until) if self.goes_on() => until,
+                Turn::Done(()) => Duration::MAX,
+                turn => return turn.map(Ok),
             };
             match self.next(now) {
                 Next::Ask(Command::Hello(hello)) => self.exchange.greet(hello, now),
                 Next::Ask(command) => self.exchange.ask(command, now),
-                Next::Listen(until) => return Action::Wait(until.min(due)),
+                Next::Listen(until) => return Turn::Wait(until.min(due)),
             }
         }
     }
 
-    /// Takes a message of the machine.
-    pub fn receive(&mut self, message: &Message<N>, now: Duration) {
+    fn receive(&mut self, message: &Message<N>, now: Duration) {
         if let Message::Event(event) = message {
             // An event is a hint: it may be late, or come twice. The status says what holds.
             let is_news = match (event, &mut self.status) {
@@ -431,24 +430,17 @@ impl<N: Transmit> JobClient<N> {
         }
     }
 
-    /// Takes note of the place of a sample, if the tool of the job is allowed there: not on a ramp to rest behind a stop, a fault or a door.
-    fn on_sample(&mut self, sample: &Telemetry<N>) {
-        let plays = match sample.state {
-            State::Running => true,
-            State::Slowing | State::Holding => sample.acting != Acting::Door,
-            _ => false,
-        };
-        if let Some(index) = self.index(sample.number).filter(|_| plays && self.is_named) {
-            let at = sample.at;
-            self.reached = self.reached.max(JobPlace { index, at });
-        }
+    fn stop(&mut self) {
+        self.command(UserCommand::Stop);
     }
 
-    fn enter(&mut self, phase: Phase<N>) {
-        if matches!(phase, Phase::Ending(_)) {
-            self.schedule.hurry();
+    /// The job goes on where it is.
+    fn reconnected(&mut self) {
+        if !matches!(self.phase, Phase::Ending(_) | Phase::Finished(_)) {
+            self.phase = Phase::Greeting;
         }
-        self.phase = phase;
+        self.user.commands.recall();
+        self.exchange.forget();
     }
 }
 

@@ -47,7 +47,7 @@ fn play(count: u32, refused: Option<u32>) -> (Result<(), JobFailure<f32>>, Durat
             let now = TICK * tick;
             loop {
                 match client.poll(now) {
-                    Action::Send(request) => {
+                    Turn::Send(request) => {
                         let sequence = request.sequence;
                         let reply = match request.command {
                             Command::Path(piece) if Some(piece.number) == refused => {
@@ -60,9 +60,9 @@ fn play(count: u32, refused: Option<u32>) -> (Result<(), JobFailure<f32>>, Durat
                         };
                         client.receive(&Message::Reply { sequence, reply }, now);
                     }
-                    Action::Wait(_) => break,
-                    Action::Lost => panic!("the machine answers"),
-                    Action::Finished(result) => return (result, now),
+                    Turn::Wait(_) => break,
+                    Turn::Reconnect => panic!("the machine answers"),
+                    Turn::Done(result) => return (result, now),
                 }
             }
             while machine.work() {}

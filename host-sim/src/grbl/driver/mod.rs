@@ -12,13 +12,14 @@ use hold::Holds;
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_client::describe::{self, Units as Words};
-use trirrr_client::exchange::{Exchange, Patience, Turn};
+use trirrr_client::{Conversation, Dialogue, Patience, Turn};
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
 use trirrr_grbl::{ContactsView, MachineAct, MachinePhase, MachineView, ProbeEnd};
+use trirrr_line::LostLine;
 use trirrr_protocol::message::{
-    Command, Event, Hello, InputState, InputStates, Message, PathPiece, Reply, Request, State,
-    Status, TelemetryFields, Transmit,
+    Command, Event, Hello, InputState, InputStates, Message, PathPiece, Reply, State, Status,
+    TelemetryFields, Transmit,
 };
 use trirrr_scene::{Scene, offer};
 use trirrr_toolpath::ToolPlace;
@@ -52,9 +53,7 @@ enum Probing {
 
 /// Client of a machine for a path without an end, without a port and a clock.
 pub(super) struct MachineDriver<N: Transmit> {
-    exchange: Exchange<N>,
-    hello: Hello,
-    greeted: bool,
+    conversation: Conversation<N>,
     units: Units,
     words: Words,
     start: Pose<f64>,
@@ -92,7 +91,7 @@ pub(super) struct MachineDriver<N: Transmit> {
     was_refused: bool,
     probing: Option<Probing>,
     /// The machine cannot serve senders at all.
-    pub(super) failure: Option<String>,
+    failure: Option<String>,
 }
 
 impl<N: Transmit> MachineDriver<N> {
@@ -107,9 +106,7 @@ impl<N: Transmit> MachineDriver<N> {
     ) -> Self {
         let start = scene.job.start;
         Self {
-            exchange: Exchange::new(patience, conversation),
-            hello,
-            greeted: false,
+            conversation: Conversation::new(hello, patience, conversation),
             units,
             words: Words::of_scene(scene, &units),
             start,
@@ -181,7 +178,7 @@ impl<N: Transmit> MachineDriver<N> {
     }
 
     /// Reason for which the line to the machine is lost.
-    pub(super) fn lost(&self) -> Option<&str> {
+    pub(super) fn why_lost(&self) -> Option<&str> {
         self.lost.as_deref()
     }
 
@@ -312,42 +309,6 @@ impl<N: Transmit> MachineDriver<N> {
         self.piece = None;
     }
 
-    /// The line to the machine is lost. The program is dropped; the machine stops by itself, and is told to once it is found again.
-    pub(super) fn lose(&mut self, why: &str) {
-        self.lost = Some(why.to_owned());
-        self.refused = None;
-        self.orders.clear();
-        self.drop_program();
-        self.order(Command::Stop);
-        self.greeted = false;
-        self.exchange.forget();
-    }
-
-    /// Returns the next act at `now`.
-    pub(super) fn poll(&mut self, now: Duration) -> Turn<N> {
-        loop {
-            let turn = self.exchange.poll(now);
-            if turn != Turn::Free {
-                return turn;
-            }
-            if !self.greeted {
-                self.exchange.greet(self.hello, now);
-                continue;
-            }
-            match self.next(now) {
-                Some(command) => {
-                    match command {
-                        Command::Status => self.asked_at = self.changes,
-                        Command::Telemetry { .. } => {}
-                        _ => self.changes += 1,
-                    }
-                    self.exchange.ask(command, now);
-                }
-                None => return Turn::Wait(self.look),
-            }
-        }
-    }
-
     fn order(&mut self, command: Command<N>) {
         self.orders.push_back(command);
     }
@@ -411,69 +372,6 @@ impl<N: Transmit> MachineDriver<N> {
         }))
     }
 
-    /// Takes a message of the machine.
-    pub(super) fn receive(&mut self, message: &Message<N>, now: Duration) {
-        match message {
-            Message::Telemetry(sample) => {
-                let metres = self.units.length_m();
-                let setpoint = &sample.setpoint;
-                let [x, y] = [setpoint.pose.position.x, setpoint.pose.position.y];
-                self.place = ToolPlace {
-                    position_m: [x, y].map(|each| each.to_f64() * metres),
-                    alpha_rad: N::angle_to_f64(setpoint.pose.angle),
-                };
-                let velocity = <[N; 3]>::from(setpoint.velocity).map(N::to_f64);
-                self.speed_m_s = velocity[0].hypot(velocity[1]) * metres / self.units.time_s();
-                self.power = sample.tool.to_f64();
-                self.sample = Some((sample.state, now));
-            }
-            Message::Event(Event::State { .. } | Event::Fault(_) | Event::Inputs(_)) => {
-                self.look = self.look.min(now)
-            }
-            Message::Event(Event::Digital(states)) => self.inputs.take_event(*states),
-            _ => {}
-        }
-        let Some((Request { command, .. }, reply)) = self.exchange.receive(message) else {
-            return;
-        };
-        match reply {
-            Reply::Hello(_) => {
-                self.greeted = true;
-                self.look = now;
-                let every = (self.tick_rate_hz / SAMPLES_HZ).round().clamp(1.0, 65535.0);
-                let fields = TelemetryFields(TelemetryFields::SETPOINT.0 | TelemetryFields::TOOL.0);
-                self.orders.push_front(Command::Telemetry {
-                    every: every as u16,
-                    fields,
-                });
-            }
-            Reply::Status(status) => self.on_status(status, now),
-            Reply::Done => {
-                self.look = now;
-                if let Command::Path(piece) = command
-                    && self.piece == Some(piece.number)
-                {
-                    self.piece = Some(piece.number.wrapping_add(1));
-                    self.feed.pop();
-                }
-                if matches!(command, Command::Probe { .. }) {
-                    self.probing = Some(Probing::Runs);
-                }
-                if matches!(
-                    command,
-                    Command::Start | Command::Probe { .. } | Command::Resume
-                ) {
-                    self.started();
-                }
-                if let Command::OutputsAt(switch) = command {
-                    self.outputs.are_told(switch.number);
-                }
-            }
-            Reply::Refused(refusal) => self.on_refusal(&command, refusal, now),
-            Reply::Section(_) | Reply::Kept { .. } | Reply::Update(_) => {}
-        }
-    }
-
     fn on_status(&mut self, status: Status<N>, now: Duration) {
         self.look = now + STATUS_EVERY;
         self.known = self.asked_at;
@@ -529,6 +427,112 @@ impl<N: Transmit> MachineDriver<N> {
         if self.waking.is_some() && self.is_fresh() {
             self.wake(&status);
         }
+    }
+}
+
+impl<N: Transmit> Dialogue<N> for MachineDriver<N> {
+    /// Reason why the machine cannot serve senders at all.
+    type End = String;
+
+    fn poll(&mut self, now: Duration) -> Turn<N, Self::End> {
+        loop {
+            if let Some(failure) = self.failure.take() {
+                return Turn::Done(failure);
+            }
+            match self.conversation.poll(now) {
+                Turn::Done(()) => {}
+                turn => return turn.map(|()| String::new()),
+            }
+            let Some(command) = self.next(now) else {
+                return Turn::Wait(self.look);
+            };
+            match command {
+                Command::Status => self.asked_at = self.changes,
+                Command::Telemetry { .. } => {}
+                _ => self.changes += 1,
+            }
+            self.conversation.ask(command, now);
+        }
+    }
+
+    fn receive(&mut self, message: &Message<N>, now: Duration) {
+        match message {
+            Message::Telemetry(sample) => {
+                let metres = self.units.length_m();
+                let setpoint = &sample.setpoint;
+                let [x, y] = [setpoint.pose.position.x, setpoint.pose.position.y];
+                self.place = ToolPlace {
+                    position_m: [x, y].map(|each| each.to_f64() * metres),
+                    alpha_rad: N::angle_to_f64(setpoint.pose.angle),
+                };
+                let velocity = <[N; 3]>::from(setpoint.velocity).map(N::to_f64);
+                self.speed_m_s = velocity[0].hypot(velocity[1]) * metres / self.units.time_s();
+                self.power = sample.tool.to_f64();
+                self.sample = Some((sample.state, now));
+            }
+            Message::Event(Event::State { .. } | Event::Fault(_) | Event::Inputs(_)) => {
+                self.look = self.look.min(now)
+            }
+            Message::Event(Event::Digital(states)) => self.inputs.take_event(*states),
+            _ => {}
+        }
+        let Some((command, reply)) = self.conversation.receive(message) else {
+            return;
+        };
+        match reply {
+            Reply::Hello(_) => {
+                self.look = now;
+                let every = (self.tick_rate_hz / SAMPLES_HZ).round().clamp(1.0, 65535.0);
+                let fields = TelemetryFields(TelemetryFields::SETPOINT.0 | TelemetryFields::TOOL.0);
+                self.orders.push_front(Command::Telemetry {
+                    every: every as u16,
+                    fields,
+                });
+            }
+            Reply::Status(status) => self.on_status(status, now),
+            Reply::Done => {
+                self.look = now;
+                if let Command::Path(piece) = command
+                    && self.piece == Some(piece.number)
+                {
+                    self.piece = Some(piece.number.wrapping_add(1));
+                    self.feed.pop();
+                }
+                if matches!(command, Command::Probe { .. }) {
+                    self.probing = Some(Probing::Runs);
+                }
+                if matches!(
+                    command,
+                    Command::Start | Command::Probe { .. } | Command::Resume
+                ) {
+                    self.started();
+                }
+                if let Command::OutputsAt(switch) = command {
+                    self.outputs.are_told(switch.number);
+                }
+            }
+            Reply::Refused(refusal) => self.on_refusal(&command, refusal, now),
+            Reply::Section(_) | Reply::Kept { .. } | Reply::Update(_) => {}
+        }
+    }
+
+    /// Brings the machine to rest and switches it off.
+    fn stop(&mut self) {
+        self.take(MachineAct::Stop);
+        self.take(MachineAct::Sleep);
+    }
+
+    fn reconnected(&mut self) {
+        self.conversation.reconnected();
+    }
+
+    /// The program is dropped; the machine stops by itself, and is told to once it is found again.
+    fn lost(&mut self, why: &LostLine, _: bool) {
+        self.lost = Some(format!("the line to the machine is lost: {why}"));
+        self.refused = None;
+        self.orders.clear();
+        self.drop_program();
+        self.order(Command::Stop);
     }
 }
 

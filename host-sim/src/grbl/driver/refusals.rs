@@ -14,9 +14,6 @@ impl<N: Transmit> MachineDriver<N> {
                 self.is_door_hold = true;
                 self.look = now;
             }
-            (_, Refusal::HelloFirst | Refusal::Sequence { .. } | Refusal::SequenceReused) => {
-                self.greeted = false;
-            }
             (Command::Path(_), Refusal::MoveNumber { expected }) => self.piece = Some(expected),
             (Command::Path(_), Refusal::NoPaths) => {
                 self.failure = Some(
