@@ -13,17 +13,21 @@ pub use probe::{ProbeArgs, probe};
 pub(crate) use tool::require_mounted;
 pub use tool::{ToolArgs, tool};
 
+use crate::dialogue::carry;
 use crate::failure::CliError;
 use crate::goals::MachineArgs;
-use crate::numbers::in_boards_numbers;
+use crate::numbers::{in_boards_numbers, refused};
+use crate::stream::conversation;
 use crate::terminal::print;
 use clap::Args;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use talk::Talk;
-use trirrr_client::describe;
+use trirrr_client::describe::{self, Units};
+use trirrr_client::{Clears, Wake, WakeClient, WakeFailure, local};
 use trirrr_core::forward::Forward;
 use trirrr_core::machine::Geometry;
+use trirrr_line::Retry;
 use trirrr_protocol::message::{
     Acting, Command, DriveReading, DriveSample, Message, Reply, State, Status,
 };
@@ -79,31 +83,45 @@ pub struct DrivesArgs {
 /// Refused: the scene. Failed: the port, the board, a fault, or a drive that does not go on.
 pub fn enable(args: &EnableArgs, stop: &AtomicBool) -> Result<(), CliError> {
     let scene = args.machine.set.scene(&args.machine.scene)?;
-    in_boards_numbers(args.machine.scalar, scene.number, |number| {
-        in_number_type!(number, N => {
-            let mut talk = Talk::<N>::open(&args.machine, &scene, stop)?;
-            if args.clear {
-                talk.clear()?;
-            }
-            let status = talk.status()?;
-            if status.state == State::Disabled {
-                talk.done(Command::Enable)?;
-            }
-            let status = settled(&mut talk)?;
-            match (status.state, status.fault, status.not_enabled) {
-                (_, Some(fault), _) => {
-                let fault = describe::fault(&fault, &talk.units());
-                let command = args.machine.command("enable", " --clear");
-                Err(CliError::Failed(format!("{fault}; {command} acknowledges it")))
-            }
-                (State::Disabled, _, Some(why)) => {
-                    Err(CliError::Failed(format!("not enabled: {}", describe::not_enabled(&why))))
+    in_boards_numbers(
+        args.machine.scalar,
+        scene.number,
+        |number| in_number_type!(number, N => wake::<N>(args, &scene, stop)),
+    )
+}
+
+fn wake<N: ServiceNumber>(
+    args: &EnableArgs,
+    scene: &Scene,
+    stop: &AtomicBool,
+) -> Result<(), CliError> {
+    let (port, units, patience) = args.machine.open::<N>(scene)?;
+    let clears = match args.clear {
+        true => Clears::Everything,
+        false => Clears::Nothing,
+    };
+    let wake = Wake::<N>::new(clears, false, None);
+    let mut client = WakeClient::new(wake, local::hello::<N>(scene), patience, conversation());
+    let woken = carry(&mut client, &mut port.retrying(Retry::Never), stop)?;
+    let units = Units::of_scene(scene, &units);
+    match (woken, client.status()) {
+        // The drives are on.
+        (Ok(()) | Err(WakeFailure::Unhomed | WakeFailure::Cleared), Some(status)) => {
+            say(&units, status)
+        }
+        (Ok(()), None) => Ok(()),
+        (Err(failure), _) => {
+            let text = failure.describe(&units);
+            Err(match failure {
+                WakeFailure::Fault(_) => {
+                    let command = args.machine.command("enable", " --clear");
+                    CliError::Failed(format!("{text}; {command} acknowledges it"))
                 }
-                (State::Disabled, ..) => Err(CliError::Failed("the drives went off again".into())),
-                _ => say(&talk, &status),
-            }
-        })
-    })
+                WakeFailure::Refused(refusal) => refused(&refusal, text),
+                _ => CliError::Failed(text),
+            })
+        }
+    }
 }
 
 /// Switches the drives off.
@@ -118,7 +136,7 @@ pub fn disable(args: &DisableArgs, stop: &AtomicBool) -> Result<(), CliError> {
             talk.done(Command::Disable)?;
             let status = settled(&mut talk)?;
             match status.state {
-                State::Disabled | State::Fault => say(&talk, &status),
+                State::Disabled | State::Fault => say(&talk.units(), &status),
                 state => Err(CliError::Failed(format!(
                     "the machine is not off: {}",
                     describe::state(state, status.acting)
@@ -157,9 +175,9 @@ fn settled<N: ServiceNumber>(talk: &mut Talk<'_, N>) -> Result<Status<N>, CliErr
 }
 
 /// Prints the state, and the pose if it is known.
-fn say<N: ServiceNumber>(talk: &Talk<'_, N>, status: &Status<N>) -> Result<(), CliError> {
+fn say<N: ServiceNumber>(units: &Units, status: &Status<N>) -> Result<(), CliError> {
     let mut text = describe::state(status.state, Acting::Nothing);
-    if let Some([x, y, alpha]) = geometry::stands(status, &talk.units()) {
+    if let Some([x, y, alpha]) = geometry::stands(status, units) {
         text += &format!(", stands at x {x:.6} m, y {y:.6} m, alpha {alpha:.6} rad");
     }
     print(&format!("{text}\n"))

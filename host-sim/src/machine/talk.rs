@@ -12,7 +12,7 @@ use trirrr_client::exchange::Exchange;
 use trirrr_client::{Dialogue, Turn, local};
 use trirrr_line::{Line, Port, Retry};
 use trirrr_protocol::message::scene::{Section, SectionName};
-use trirrr_protocol::message::{Command, Message, Refusal, Reply, State, Status};
+use trirrr_protocol::message::{Command, Message, Refusal, Reply, Status};
 use trirrr_scene::Scene;
 use trirrr_service::ServiceNumber;
 
@@ -121,20 +121,6 @@ impl<'a, N: ServiceNumber> Talk<'a, N> {
     /// Failure by a refusal of the board.
     pub(super) fn refused(&self, refusal: &Refusal<N>) -> CliError {
         CliError::Refused(describe::refusal(refusal, 0, &self.units))
-    }
-
-    /// Acknowledges a fault, and clears the errors of drives that are off.
-    ///
-    /// # Errors
-    /// As [`Self::done`].
-    pub(super) fn clear(&mut self) -> Result<(), CliError> {
-        if matches!(self.status()?.state, State::Fault | State::Disabled) {
-            self.done(Command::ClearFault)?;
-            // The tick has to hear of it, and the drives.
-            let came = self.listen(Duration::from_millis(200))?;
-            self.inquiry.heard.extend(came);
-        }
-        Ok(())
     }
 
     /// Listens for `wait`. Returns what came.

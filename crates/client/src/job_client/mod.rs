@@ -14,6 +14,7 @@ use crate::describe::Units;
 use crate::dialogue::{Dialogue, Turn};
 use crate::exchange::{Exchange, Patience};
 use crate::user_commands::{UserCommand, UserCommands};
+use crate::wake::{Clears, Wake};
 use crate::{BegunJob, JobFailure, JobPlace};
 use phase::{Next, Phase};
 use progress::JobProgress;
@@ -64,16 +65,12 @@ pub struct JobClient<N: Transmit> {
 /// Means to bring the machine to the start of the job.
 #[derive(Clone, Debug)]
 struct Approach<N: Transmit> {
-    /// A machine that is not homed may be homed.
-    homing: bool,
+    /// Way of a machine to readiness. A machine that is not homed may be homed.
+    wake: Wake<N>,
     /// Duration of the way to the start of the job, s. `None` without such a way, and once the
     /// machine is on it.
     recovery_s: Option<f64>,
-    /// The client has acknowledged a fault.
-    acknowledged: bool,
-    /// The client has enabled the machine,
-    enabled: bool,
-    /// and waits until it is on.
+    /// The client has enabled the machine, and waits until it is on.
     is_enabling: bool,
     /// The client has seen where the machine stands.
     is_near: bool,
@@ -119,10 +116,8 @@ impl<N: Transmit> JobClient<N> {
             last_taken: None,
             dry_before: 0,
             approach: Approach {
-                homing: true,
+                wake: Wake::new(Clears::Nothing, true, None),
                 recovery_s: None,
-                acknowledged: false,
-                enabled: false,
                 is_enabling: false,
                 is_near: false,
                 way: None,
@@ -140,7 +135,7 @@ impl<N: Transmit> JobClient<N> {
     /// Leaves a machine that is not homed as it is, which ends the job before it begins.
     #[must_use]
     pub fn without_homing(mut self) -> Self {
-        self.approach.homing = false;
+        self.approach.wake.homes = false;
         self
     }
 
@@ -149,6 +144,7 @@ impl<N: Transmit> JobClient<N> {
     #[must_use]
     pub fn with_recovery(mut self, seconds: f64) -> Self {
         self.approach.recovery_s = Some(seconds);
+        self.approach.wake.clears = Clears::Hindrances;
         self
     }
 

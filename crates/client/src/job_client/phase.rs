@@ -4,17 +4,15 @@ use super::JobClient;
 use crate::JobFailure;
 use std::time::Duration;
 use trirrr_protocol::message::scene::SectionName;
-use trirrr_protocol::message::{Command, Move, Recovery, Request, State, Status, Transmit};
+use trirrr_protocol::message::{Command, Request, State, Status, Transmit};
 
 /// Phase of a conversation.
 ///
 /// ```text
-/// Greeting ─> Meeting ──> Acknowledging ─> Surveying
-///    │           ├──────> Enabling ───┬──> Awaiting ──┐
-///    │           ├──────> Homing ─────┤               │
-///    │           ├──────> Recovering ─┤               │
-///    │           ├──────> Approaching ─> Underway, SettingOff ─> Surveying
-///    │           └──────> Preparing, Sampling, Naming ─> Streaming <────┘ by Preparing
+/// Greeting ─> Meeting ──> Waking ────┬─> Awaiting ─────┐
+///    │           │                   ├─> Underway ─> Surveying, or Waking to set off
+///    │           │                   └─> Surveying, behind a fault
+///    │           └──────> Preparing, Sampling, Naming ─> Streaming <──┘ by Preparing
 ///    └─> Surveying, once the machine is known: as Meeting, or back into Streaming
 /// ```
 /// Of a scene with tools Checking comes before Meeting.
@@ -30,21 +28,11 @@ pub(super) enum Phase<N: Transmit> {
     /// The client asks a known machine where the job stands: on a new line, after a fault was
     /// acknowledged, or if both count the moves in different ways.
     Surveying,
-    /// The client acknowledges a fault that was latched before the job.
-    Acknowledging,
-    /// The client switches the drives on.
-    Enabling,
-    /// The client homes the machine, which does not know where its motors are.
-    Homing,
-    /// The client moves the machine to the start of the job.
-    Recovering(Recovery<N>),
-    /// The client offers the straight way to the start of the job,
-    Approaching(Move<N>),
-    /// watches until the machine has proven it, and is there,
+    /// The client gives an order on the way of the machine to readiness, or to the start of the job.
+    Waking(Command<N>),
+    /// The machine has the straight way to the start of the job, proves it, and takes it.
     Underway,
-    /// and sends it off.
-    SettingOff,
-    /// The machine is on its way to the start of the job.
+    /// The machine is on its way to readiness, or to the start of the job.
     Awaiting,
     /// The client sets the rate of the telemetry,
     Preparing,
@@ -88,12 +76,7 @@ impl<N: Transmit> JobClient<N> {
             Phase::Underway => return self.watch_way(now),
             Phase::Streaming => return self.feed(now),
             Phase::Finished(_) => return Next::Listen(self.schedule.look()),
-            Phase::Acknowledging => Command::ClearFault,
-            Phase::Enabling => Command::Enable,
-            Phase::Homing => Command::Home,
-            Phase::Recovering(recovery) => Command::Recover(*recovery),
-            Phase::Approaching(way) => Command::Move(*way),
-            Phase::SettingOff => Command::Start,
+            Phase::Waking(order) => *order,
             Phase::Preparing => Command::Telemetry {
                 every: self.telemetry,
                 fields: self.fields,

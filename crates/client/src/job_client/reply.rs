@@ -39,26 +39,25 @@ impl<N: Transmit> JobClient<N> {
         match command {
             Command::Telemetry { .. } if self.drives.is_some() => self.phase = Phase::Sampling,
             Command::Telemetry { .. } | Command::Drives { .. } => self.begin(),
-            Command::Enable => {
-                (self.approach.enabled, self.approach.is_enabling) = (true, true);
-                self.phase = Phase::Awaiting;
-                self.schedule.look_at(now);
-            }
-            Command::Home | Command::Recover(_) => {
-                self.approach.recovery_s = None;
+            Command::Enable | Command::Home | Command::Recover(_) => {
+                self.approach.wake.ordered(command);
+                match command {
+                    Command::Enable => self.approach.is_enabling = true,
+                    _ => self.approach.recovery_s = None,
+                }
                 self.phase = Phase::Awaiting;
                 self.schedule.look_at(now);
             }
             Command::ClearFault => {
-                self.approach.acknowledged = true;
+                self.approach.wake.ordered(command);
                 self.phase = Phase::Surveying;
             }
-            Command::Move(way) if matches!(self.phase, Phase::Approaching(_)) => {
+            Command::Move(way) if self.phase == Phase::Waking(*command) => {
                 self.approach.way = Some(*way);
                 self.phase = Phase::Underway;
                 self.schedule.look_at(now);
             }
-            Command::Start if self.phase == Phase::SettingOff => {
+            Command::Start if self.phase == Phase::Waking(Command::Start) => {
                 self.phase = Phase::Underway;
                 self.schedule.look_at(now);
             }
@@ -117,7 +116,7 @@ impl<N: Transmit> JobClient<N> {
     /// The machine is set up: it goes to the start of the job, or begins.
     fn begin(&mut self) {
         self.phase = match self.beside() {
-            Some(recovery) => Phase::Recovering(recovery),
+            Some(recovery) => Phase::Waking(Command::Recover(recovery)),
             None if self.progress.has_taken() == 0 => Phase::Naming,
             None => Phase::Streaming,
         };
@@ -159,7 +158,7 @@ impl<N: Transmit> JobClient<N> {
             }
             // Another client has moved it meanwhile.
             (Command::Move(_), Refusal::MoveNumber { .. } | Refusal::StartPose)
-                if matches!(self.phase, Phase::Approaching(_)) =>
+                if self.phase == Phase::Waking(*command) =>
             {
                 self.phase = Phase::Surveying;
             }

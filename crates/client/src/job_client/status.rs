@@ -5,8 +5,9 @@ use super::phase::Phase;
 use crate::JobFailure;
 use crate::approach::{short_way, straight_way};
 use crate::describe::Units;
+use crate::wake::WakeStep;
 use std::time::Duration;
-use trirrr_protocol::message::{Move, NotEnabled, Recovery, Request, State, Status, Transmit};
+use trirrr_protocol::message::{Command, Move, Recovery, Request, State, Status, Transmit};
 
 impl<N: Transmit> JobClient<N> {
     /// Takes a status, and changes the phase if the status asks for it.
@@ -77,7 +78,7 @@ impl<N: Transmit> JobClient<N> {
                 Some(_) => {
                     // The machine drops its moves with the fault.
                     self.progress.restart_count();
-                    Phase::Acknowledging
+                    Phase::Waking(Command::ClearFault)
                 }
                 None => failed(JobFailure::Fault(fault)),
             };
@@ -85,22 +86,13 @@ impl<N: Transmit> JobClient<N> {
         if let Some(recovering) = self.recovering(status) {
             return recovering;
         }
-        match status.state {
-            State::Disabled
-                if self.approach.recovery_s.is_some() && wants_acknowledgement(status) =>
-            {
-                Phase::Acknowledging
-            }
-            State::Disabled => Phase::Enabling,
-            State::Unhomed if self.approach.homing => Phase::Homing,
+        let is_free = status.state == State::Idle && status.next == status.done;
+        match self.approach.wake.next(status) {
+            WakeStep::Order(order) => Phase::Waking(order),
             // Another client has begun this; with a recovery the user takes over.
-            State::Homing | State::Recovering | State::Stopping | State::Disabling
-                if self.approach.recovery_s.is_some() =>
-            {
-                Phase::Awaiting
-            }
-            State::Idle if status.next == status.done => self.at_start(status),
-            state => failed(JobFailure::Occupied(state)),
+            WakeStep::Wait if self.approach.recovery_s.is_some() => Phase::Awaiting,
+            WakeStep::Ready if is_free => self.at_start(status),
+            _ => failed(JobFailure::Occupied(status.state)),
         }
     }
 
@@ -116,15 +108,14 @@ impl<N: Transmit> JobClient<N> {
             if let Some(recovering) = self.recovering(status) {
                 return recovering;
             }
-            match status.state {
-                State::Disabled if !self.approach.enabled => return Phase::Enabling,
-                State::Unhomed if self.approach.homing => return Phase::Homing,
-                state if passes(state) => return Phase::Awaiting,
-                State::Disabled | State::Unhomed | State::Cleared => {
+            match self.approach.wake.next(status) {
+                WakeStep::Order(order) => return Phase::Waking(order),
+                WakeStep::Wait => return Phase::Awaiting,
+                WakeStep::Failed(_) => {
                     let occupied = JobFailure::Occupied(status.state);
                     return failed(status.not_enabled.map_or(occupied, JobFailure::NotEnabled));
                 }
-                _ => {}
+                WakeStep::Ready => {}
             }
         }
         self.interruption(before, status)
@@ -137,23 +128,23 @@ impl<N: Transmit> JobClient<N> {
         if let Some(next) = complaint.or_else(|| self.recovering(status)) {
             return Some(next);
         }
-        if passes(status.state) {
+        let step = self.approach.wake.next(status);
+        if step == WakeStep::Wait {
             return None;
         }
         // Switched on, it has begun no way yet.
         if std::mem::take(&mut self.approach.is_enabling) {
             return Some(self.on_survey(before, status));
         }
-        match status.state {
-            State::Disabled if !self.approach.enabled => return Some(Phase::Enabling),
-            State::Unhomed if self.approach.homing && self.approach.recovery_s.is_some() => {
-                return Some(Phase::Homing);
+        match step {
+            WakeStep::Ready => {}
+            WakeStep::Order(order)
+                if order != Command::Home || self.approach.recovery_s.is_some() =>
+            {
+                return Some(Phase::Waking(order));
             }
             // The machine came to rest before it arrived.
-            State::Disabled | State::Unhomed | State::Cleared => {
-                return Some(failed(self.stopped(status)));
-            }
-            _ => {}
+            _ => return Some(failed(self.stopped(status))),
         }
         let interruption = self.interruption(before, status);
         interruption.or_else(|| Some(self.at_start(status)))
@@ -181,7 +172,7 @@ impl<N: Transmit> JobClient<N> {
     fn at_start(&mut self, status: &Status<N>) -> Phase<N> {
         self.progress.resume_behind(self.progress.taken(status));
         if let Some(way) = self.way_from(status) {
-            return Phase::Approaching(way);
+            return Phase::Waking(Command::Move(way));
         }
         match self.is_played(status) {
             true => Phase::Finished(Ok(())),
@@ -214,7 +205,7 @@ impl<N: Transmit> JobClient<N> {
             self.approach.way = None;
             let enough = violation.shortest.map(|shortest| shortest.enough);
             return Some(match enough.filter(|enough| *enough > way.ticks) {
-                Some(ticks) => Phase::Approaching(Move { ticks, ..way }),
+                Some(ticks) => Phase::Waking(Command::Move(Move { ticks, ..way })),
                 None => failed(JobFailure::NoWay {
                     from: way.from,
                     to: way.to,
@@ -230,7 +221,7 @@ impl<N: Transmit> JobClient<N> {
                 self.progress.restart_count();
                 Some(Phase::Surveying)
             }
-            State::Idle if status.admitted == status.next => Some(Phase::SettingOff),
+            State::Idle if status.admitted == status.next => Some(Phase::Waking(Command::Start)),
             State::Disabled | State::Unhomed | State::Cleared => Some(failed(self.stopped(status))),
             _ => None,
         }
@@ -257,7 +248,7 @@ impl<N: Transmit> JobClient<N> {
     /// End of the job by a fault, or by a move that the machine does not admit.
     fn complaint(&self, status: &Status<N>) -> Option<Phase<N>> {
         // The machine reports an acknowledged fault until its tick has heard of it.
-        let is_latched = !self.approach.acknowledged || status.state == State::Fault;
+        let is_latched = !self.approach.wake.has_cleared || status.state == State::Fault;
         if let Some(fault) = status.fault.filter(|_| is_latched) {
             return Some(failed(JobFailure::Fault(fault)));
         }
@@ -311,31 +302,17 @@ impl<N: Transmit> JobClient<N> {
             matches!(status.state, State::Idle | State::Cleared) && status.next == status.done;
         let seconds = self.approach.recovery_s.filter(|_| is_free)?;
         let ticks = (seconds * self.identity.as_ref()?.tick_rate_hz).round();
-        Some(Phase::Recovering(Recovery {
+        Some(Phase::Waking(Command::Recover(Recovery {
             to: self.progress.start()?,
             // The cast saturates, and the machine refuses so many.
             ticks: ticks.max(1.0) as u32,
-        }))
+        })))
     }
 }
 
 /// Returns true if a machine in `state` stands, and plays no job.
 fn has_ended(state: State) -> bool {
     state.is_at_rest() && state != State::Holding
-}
-
-/// Returns true if a machine in `state` leaves it by itself, with no job under way.
-fn passes(state: State) -> bool {
-    matches!(
-        state,
-        State::Enabling | State::Disabling | State::Homing | State::Recovering | State::Stopping
-    )
-}
-
-/// Returns true if the last attempt to enable the machine ended in what a `ClearFault` acknowledges.
-fn wants_acknowledgement<N: Transmit>(status: &Status<N>) -> bool {
-    let why = status.not_enabled.as_ref();
-    why.is_some_and(NotEnabled::wants_acknowledgement)
 }
 
 fn failed<N: Transmit>(failure: JobFailure<N>) -> Phase<N> {

@@ -78,7 +78,7 @@ pub(super) struct MachineDriver<N: Transmit> {
     known: u64,
     look: Duration,
     pause: Duration,
-    waking: Option<Waking>,
+    waking: Option<Waking<N>>,
     holds: Holds,
     /// The door is or was open, and the sender does not know yet.
     is_door_hold: bool,
@@ -276,7 +276,7 @@ impl<N: Transmit> MachineDriver<N> {
             MachineAct::Unlock | MachineAct::Home => {
                 self.reason = None;
                 self.outputs.clear();
-                self.waking = Some(Waking::new(act == MachineAct::Home));
+                self.begin_waking(act == MachineAct::Home);
             }
             MachineAct::Sleep => self.order(Command::Disable),
             MachineAct::Hold => self.hold(),
