@@ -26,13 +26,13 @@ pub(crate) fn reopening(why: impl Display) -> String {
     format!("{why}; opening the port anew")
 }
 
-/// Dialogue that tells the user of it: the states of the machine, a line that is lost, the stop.
-pub(crate) struct Told<D> {
+/// Dialogue that reports to the user: states of the machine, a line that is lost, the stop.
+pub(crate) struct Reported<D> {
     dialogue: D,
     state: Option<(State, Acting)>,
 }
 
-impl<D> Told<D> {
+impl<D> Reported<D> {
     pub(crate) fn new(dialogue: D) -> Self {
         Self {
             dialogue,
@@ -41,7 +41,7 @@ impl<D> Told<D> {
     }
 }
 
-impl<N: Transmit, D: Dialogue<N>> Dialogue<N> for Told<D> {
+impl<N: Transmit, D: Dialogue<N>> Dialogue<N> for Reported<D> {
     type End = D::End;
     const LOOK: Duration = D::LOOK;
 

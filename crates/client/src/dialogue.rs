@@ -46,24 +46,24 @@ pub trait Dialogue<N: Transmit> {
     /// Takes a message of the machine.
     fn receive(&mut self, message: &Message<N>, now: Duration);
 
-    /// Takes the stop signal of the user, which comes once. The dialogue ends, as soon as a machine in motion has come to rest.
+    /// Takes the stop signal of the user, which comes once. The dialogue ends once a machine in motion has come to rest.
     fn stop(&mut self);
 
     /// Goes on over a line that was opened anew.
     fn reconnected(&mut self);
 
-    /// Takes the reason why the line is lost, or still is. The line is opened anew. `is_news`: the machine has answered since the same reason
-    /// came last.
+    /// Takes the reason why the line is lost, or still is. The line is opened anew. `is_news`: the reason is another one, or the
+    /// machine has answered since.
     fn lost(&mut self, _why: &LostLine, _is_news: bool) {}
 
-    /// Looks at what else than the machine concerns the dialogue, such as its user. Called before the dialogue speaks, and while the line is
-    /// lost. Returns an end that the dialogue has without the machine.
+    /// Handles what does not come from the machine, such as commands of a user. Called before the dialogue speaks, and while the
+    /// line is lost. Returns an end that the dialogue has without the machine.
     fn attend(&mut self, _now: Duration) -> Option<Self::End> {
         None
     }
 }
 
-/// Carries `dialogue` over `line` to its end: says what there is to say, listens, opens a lost line anew, and hands `stop` on.
+/// Carries `dialogue` over `line` to its end: sends, listens, opens a lost line anew, and hands `stop` on.
 ///
 /// # Errors
 /// The line is lost, and is not opened anew.
@@ -73,7 +73,7 @@ pub fn drive<N: Transmit, D: Dialogue<N>>(
     stop: &AtomicBool,
 ) -> Result<D::End, LostLine> {
     let mut is_stopped = false;
-    let mut told = None;
+    let mut reported = None;
     let mut lost = (!line.is_open()).then(|| LostLine::NotOpen(String::new()));
     loop {
         if stop.load(Ordering::Relaxed) && !std::mem::replace(&mut is_stopped, true) {
@@ -83,7 +83,7 @@ pub fn drive<N: Transmit, D: Dialogue<N>>(
             return Ok(end);
         }
         let failure = match &lost {
-            None => match speak_and_listen(dialogue, line, &mut told) {
+            None => match send_and_listen(dialogue, line, &mut reported) {
                 Ok(Some(end)) => return Ok(end),
                 Ok(None) => continue,
                 Err(why) => why,
@@ -100,16 +100,17 @@ pub fn drive<N: Transmit, D: Dialogue<N>>(
             },
         };
         let why = Some(failure.to_string());
-        dialogue.lost(&failure, told != why);
-        (told, lost) = (why, Some(failure));
+        dialogue.lost(&failure, reported != why);
+        (reported, lost) = (why, Some(failure));
     }
 }
 
-/// Says what there is to say, and listens once. Returns the end of the dialogue once it has ended. An answer of the machine takes `told`.
-fn speak_and_listen<N: Transmit, D: Dialogue<N>>(
+/// Sends what there is to send, and listens once. Returns the end of a dialogue that has ended. An answer of the machine clears
+/// `reported`.
+fn send_and_listen<N: Transmit, D: Dialogue<N>>(
     dialogue: &mut D,
     line: &mut dyn Line<N>,
-    told: &mut Option<String>,
+    reported: &mut Option<String>,
 ) -> Result<Option<D::End>, LostLine> {
     let wait = loop {
         let now = line.now();
@@ -121,7 +122,7 @@ fn speak_and_listen<N: Transmit, D: Dialogue<N>>(
         }
     };
     for message in line.receive(wait.min(D::LOOK))? {
-        told.take_if(|_| is_answer(&message));
+        reported.take_if(|_| is_answer(&message));
         dialogue.receive(&message, line.now());
     }
     Ok(None)

@@ -9,7 +9,8 @@
 //! ```
 //! [`exchange`] keeps requests and answers in step; [`JobClient`] plays a job through it, [`GoalClient`] sends the machine to goals,
 //! [`ManualClient`] sends the commands of a person and nothing else. `trirrr_line` carries their messages. [`local`] is a machine in the same program, and [`runner`] plays a job on it.
-//! [`UpdateClient`] replaces the program of a board. [`Wake`] is the way of a machine to readiness, which [`WakeClient`] goes alone. [`JobRest`] is the rest of a job that was left on its way.
+//! [`UpdateClient`] replaces the program of a board.
+//! [`Wake`] is the way of a machine to readiness, which [`WakeClient`] goes alone. [`JobRest`] is the rest of a job that was left on its way.
 //! `trirrr_scene::offer` turns a scene's job into moves, [`records`] turns telemetry into records,
 //! [`drive_records`] puts what the drives do beside, and [`describe`] says in words and SI units what a machine reports.
 //!

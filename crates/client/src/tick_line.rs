@@ -71,7 +71,7 @@ impl Line<f32> for TickLine<'_> {
             return Ok(std::mem::take(&mut self.inbox));
         }
         let left = self.left.checked_sub(1);
-        self.left = left.ok_or_else(|| LostLine::Silent)?;
+        self.left = left.ok_or(LostLine::Silent)?;
         self.machine.tick();
         while self.machine.work() {}
         self.now += TICK;

@@ -85,8 +85,8 @@ impl<N: Transmit> WakeFailure<N> {
 }
 
 impl<N: Transmit> Wake<N> {
-    /// Creates the way that switches the drives on, and acknowledges what `clears` says. It `homes` a machine that is not, and moves one whose
-    /// pose is not known after a fault by `recovery`.
+    /// Creates the way that acknowledges what `clears` says and switches the drives on. `homes`: a machine that is not homed is.
+    /// `recovery`: move of a machine whose pose is not known after a fault.
     pub fn new(clears: Clears, homes: bool, recovery: Option<Recovery<N>>) -> Self {
         Self {
             clears,

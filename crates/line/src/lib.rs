@@ -1,10 +1,11 @@
 //! Links to a board, and to a client: bytes in, bytes out, over a serial port or TCP.
 //!
 //! A [`Link`] carries bytes, and [`Frames`] finds the messages in them. Once a call has failed, the link
-//! is lost, and the owner opens a new one. A [`Port`] does so by itself: it is a [`Line`] of messages. A [`SharedKey`] seals a TCP link: who does not have it gets in nowhere, and reads nothing.
+//! is lost, and the owner opens a new one. A [`Port`] does so by itself: it is a [`Line`] of messages.
+//! A [`SharedKey`] seals a TCP link: who does not have it gets in nowhere, and reads nothing.
 //!
-//! Frames, addresses and the trait of lines are there without the feature `system`, too: a page in a browser uses them. All else takes an operating system, and
-//! a key takes the feature `keys`.
+//! Frames, addresses and the trait of lines are there without the feature `system`, too: a page in a browser uses them. All else
+//! takes an operating system, and a key takes the feature `keys`.
 #![forbid(unsafe_code)]
 
 mod address;

@@ -48,8 +48,8 @@ pub trait Line<N: Transmit> {
     /// The line is lost.
     fn receive(&mut self, timeout: Duration) -> Result<Vec<Message<N>>, LostLine>;
 
-    /// Opens the line anew, step by step: each call waits some milliseconds at most. `why`: the reason of the loss. `is_stopped`: the
-    /// user does not want to wait any longer.
+    /// Opens the line anew, step by step: each call waits some milliseconds at most. `why`: the reason of the loss.
+    /// `is_stopped`: the user does not want to wait any longer.
     fn reopen(&mut self, why: &LostLine, is_stopped: bool) -> Reopening;
 
     /// Returns true if the line was opened. A line that was not is opened by the owner.

@@ -112,7 +112,7 @@ impl Port {
         }));
     }
 
-    /// Gives the link back, which is lost for the reason `why`: a port opens once only. Returns false if no attempt follows.
+    /// Drops the link, which is lost for the reason `why`: a port opens once only. Returns false if no attempt follows.
     fn lose(&mut self, why: &LostLine) -> bool {
         self.damaged = self.damaged();
         self.frames = Frames::default();
@@ -132,7 +132,7 @@ impl Port {
         if self.retry == Retry::Never || (self.refused.is_some() && !self.comes_back()) {
             return false;
         }
-        // Who closed the line does not want to be called at once.
+        // The far end that closed the line gets a pause.
         self.begin_opening(match was_open {
             true => ATTEMPTS_EVERY,
             false => Duration::ZERO,

@@ -1,7 +1,7 @@
 //! Way to the start of the scene's job, or to another pose, by an ordinary move.
 
 use super::args::ParkArgs;
-use crate::dialogue::{Told, carry};
+use crate::dialogue::{Reported, carry};
 use crate::failure::CliError;
 use crate::numbers::refused;
 use crate::stream::conversation;
@@ -39,7 +39,7 @@ pub(super) fn park<N: ServiceNumber>(
     if let Some(percent) = args.machine.feed {
         client.command(UserCommand::FeedOverride(percent));
     }
-    let parked = carry(&mut Told::new(client), &mut port, stop)?;
+    let parked = carry(&mut Reported::new(client), &mut port, stop)?;
     let units = Units::of_scene(scene, &units);
     match parked {
         Ok(()) => {

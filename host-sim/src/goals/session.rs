@@ -1,7 +1,7 @@
 //! Goals under way: client, port and what wants goals.
 
 use super::args::MachineArgs;
-use crate::dialogue::{Told, carry};
+use crate::dialogue::{Reported, carry};
 use crate::failure::CliError;
 use crate::numbers::refused;
 use crate::stream::conversation;
@@ -159,7 +159,7 @@ impl<'a, N: ServiceNumber> GoalSession<'a, N> {
             strict,
             is_stopped: false,
         };
-        carry(&mut Told::new(under_way), port, stop)?
+        carry(&mut Reported::new(under_way), port, stop)?
     }
 
     fn failure(&self, failure: &GoalFailure<N>) -> CliError {
