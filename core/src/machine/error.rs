@@ -22,7 +22,7 @@ pub enum Quantity {
     DistalCentreOfMass,
     DistalInertia,
     RotorInertia,
-    /// [`Parameters::greatest_det_a`](super::Parameters::greatest_det_a).
+    /// Greatest size of [det A](super::Parameters::greatest_det_a).
     GreatestDetA,
     PlatformMass,
     PlatformInertia,

@@ -10,9 +10,9 @@ use trirrr_core::to_source;
 pub struct Board {
     /// Counts per second of the timer that ticks are timed with.
     pub timer_hz: u32,
-    /// Source of its clock.
+    /// Source of the clock.
     pub clock: Clock,
-    /// Reason of its last start.
+    /// Reason of the last start.
     pub start: Start,
 }
 
@@ -50,12 +50,12 @@ pub enum AngleReference {
 
 to_source!(pub AngleReference in trirrr_protocol::message: Declared, Blind, Homed, Measured);
 
-/// Source of a board's clock. The source tells how true the rate of ticks is.
+/// Source of a board's clock, and so the accuracy of its tick rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Clock {
     /// No board: the clock of a host.
     Host,
-    /// A crystal, as it should be.
+    /// A crystal. The normal case.
     Crystal,
     /// The crystal does not start: an internal oscillator, some 1 % off, at full speed.
     Internal,
@@ -63,20 +63,21 @@ pub enum Clock {
     Slow,
     /// An emulator's.
     Emulated,
-    /// The crystal runs at another frequency than that of the board file: the internal oscillator, at full speed.
+    /// The crystal runs at another frequency than that of the board file: the internal oscillator, some 1 % off, at
+    /// full speed.
     WrongCrystal,
 }
 
-/// Reason of a board's start.
+/// Reason why a board started.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Start {
-    /// It was switched on.
+    /// Power was switched on.
     Power,
     /// The reset pin, a programmer, or a supply that sagged.
     Reset,
     /// The watchdog: ticks did not come, not in time, or far too slowly by its own oscillator.
     Watchdog,
-    /// The program met what cannot be.
+    /// The program panicked.
     Panic {
         /// The source file, ASCII: the end of its path, zeros behind it.
         file: [u8; NAME_CAPACITY],
@@ -85,7 +86,7 @@ pub enum Start {
     },
     /// The processor met an instruction that it cannot execute or an address that is not there.
     HardFault(Registers),
-    /// The same, for the stack had no room left.
+    /// A hard fault because the stack had no room left.
     StackOverflow(Registers),
     /// The crystal stopped while the board ran.
     CrystalStopped,
@@ -98,13 +99,13 @@ pub enum Start {
 pub struct Registers {
     /// The instruction; 0 where the stack was lost.
     pub pc: u32,
-    /// Address that its function was called from; 0 where the stack was lost.
+    /// The return address; 0 where the stack was lost.
     pub lr: u32,
     /// The stack pointer.
     pub sp: u32,
-    /// The processor's own words for it: on a Cortex-M4 the register CFSR, 0 where there is none.
+    /// The processor's fault status: on a Cortex-M4 the register CFSR, 0 where there is none.
     pub status: u32,
-    /// The address that was asked for, 0 where it is not known.
+    /// The address of the failed access, 0 where unknown.
     pub address: u32,
 }
 

@@ -13,8 +13,11 @@ use serde::{Deserialize, Serialize};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
 
-/// A command in its frame. `S` is what a part of the scene in it is read as: a [`Section`], or
-/// [`Unread`](super::Unread) by a machine that takes none. `C` is the same for quintic moves and for batches.
+/// A command with its sequence number.
+///
+/// # Type parameters
+/// `S` is what a part of the scene in it is read as: a [`Section`], or [`Unread`] by a machine that takes none. `C` is
+/// the same for quintic moves and for batches.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
     serialize = "N: Transmit, S: Serialize, C::Quintic: Serialize, C::Goal: Serialize, C::Piece: Serialize, C::Batch: Serialize, C::Levels: Serialize, C::Listed: Serialize, C::Update: Serialize",
@@ -24,17 +27,15 @@ use trirrr_core::setpoint::Pose;
     bound = "N: Transmit, S: Schema, C: MoveContents, C::Quintic: Schema, C::Goal: Schema, C::Piece: Schema, C::Batch: Schema, C::Levels: Schema, C::Listed: Schema, C::Update: Schema"
 )]
 pub struct Request<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
-    /// Counts the requests, one by one, modulo 2^32; the first is the one that [`Identity`] names.
-    /// A repeated one is answered again and not executed again. That of a [`Command::Hello`] is
-    /// sent back and otherwise ignored.
-    ///
-    /// [`Identity`]: super::Identity
+    /// Counts the requests, one by one, modulo 2^32; the first is `next_sequence` of the
+    /// [`Identity`](super::Identity). A repeated one is answered again and not executed again. That of a hello is sent
+    /// back and otherwise ignored.
     pub sequence: u32,
-    /// Command that the machine is to execute.
+    /// The command.
     pub command: Command<N, S, C>,
 }
 
-/// Order of a host to a machine.
+/// An instruction or a question to the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
     serialize = "N: Transmit, S: Serialize, C::Quintic: Serialize, C::Goal: Serialize, C::Piece: Serialize, C::Batch: Serialize, C::Levels: Serialize, C::Listed: Serialize, C::Update: Serialize",
@@ -62,22 +63,22 @@ pub enum Command<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
     Resume,
     /// Comes to rest on the path and drops the rest of the job.
     Stop,
-    /// Acknowledges the latched fault and clears the errors of the drives. They stay off until [`Command::Enable`].
+    /// Acknowledges the latched fault and clears the errors of the drives. They stay off until `Enable`.
     ClearFault,
-    /// Moves the motors, each by itself, to where they are at a pose.
+    /// Moves the motors, each by itself, to their angles at a pose.
     Recover(Recovery<N>),
     /// One telemetry sample every so many ticks; 0 for none.
     Telemetry {
         /// Ticks from one sample to the next.
         every: u16,
-        /// Results of a tick that a sample has.
+        /// Fields of a sample.
         fields: TelemetryFields,
     },
-    /// Looks for the switches or stops of the motors, then moves to the scene's start pose.
+    /// Searches for the switches or hard stops of the motors, then moves to the scene's start pose.
     Home,
-    /// Offers a quintic move, as [`Command::Move`] does a cubic one.
+    /// Offers a quintic move, as `Move` does a cubic one.
     Quintic(C::Quintic),
-    /// Changes the pace of all motion along a path: at once, where the machine moves, as fast as its limits leave room.
+    /// Changes the pace of all motion along a path, at once, as fast as the limits leave room.
     FeedOverride {
         /// 1 to 100 % of normal speed.
         percent: u8,
@@ -90,7 +91,7 @@ pub enum Command<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
     Path(C::Piece),
     /// Switches the drives on, where the motors are.
     Enable,
-    /// Comes to rest as [`Command::Stop`] does, then switches the drives off.
+    /// Comes to rest as `Stop` does, then switches the drives off.
     Disable,
     /// One [sample of the drives](super::DriveSample) every so many ticks; 0 for none.
     Drives {
@@ -101,14 +102,14 @@ pub enum Command<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
     Moves(C::Batch),
     /// Names the job whose moves come next; only in idle with nothing queued. Every [status](super::Status) has it from then on.
     Job(JobLabel),
-    /// Gives levels of the tool's power, for moves to come.
+    /// Gives levels of the tool's power for moves to come: see power lists.
     Levels(C::Levels),
-    /// Offers a move whose levels were given, as [`Command::Moves`] does one without.
+    /// Offers a move whose levels were given, as `Moves` does one without.
     Listed(C::Listed),
-    /// Plays what is queued as [`Command::Start`] does, until the probe's contact changes: then it comes to rest on the path and
+    /// Plays what is queued as `Start` does, until the probe's contact changes: then it comes to rest on the path and
     /// drops the rest.
     Probe {
-        /// False: until the probe touches. True: until it touches no more.
+        /// `true`: until the probe touches no more. `false`: until it touches.
         away: bool,
     },
     /// Asks for the [state of an update](super::UpdateStatus) of the program.
@@ -119,17 +120,17 @@ pub enum Command<N: Number, S = Section, C: MoveContents = AllMoves<N>> {
     Output {
         /// The output, from 0 in the order of the scene.
         index: u8,
-        /// True: on.
+        /// `true`: on.
         on: bool,
     },
     /// Switches spare outputs with the motion: in the tick in which a move begins that is still to be offered.
     OutputsAt(OutputSwitch),
 }
 
-/// Protocol, layout and scene that a host expects of the machine.
+/// The machine that a host expects.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Hello {
-    /// [`PROTOCOL`](super::PROTOCOL).
+    /// Version of this protocol: [`PROTOCOL`](super::PROTOCOL).
     pub protocol: u16,
     /// Key of the messages' layout.
     pub schema: u64,
@@ -145,7 +146,7 @@ pub struct JobLabel {
     pub name: [u8; NAME_CAPACITY],
     /// Number of its moves, or of its pieces of a path.
     pub items: u32,
-    /// Checksum over all of them, by which a host knows its job again; of its own choice.
+    /// Checksum over all of them, by which a host knows its job again. The host chooses which.
     pub check: u32,
 }
 
@@ -177,7 +178,16 @@ impl<'de, const BYTES: usize> Visitor<'de> for InTurn<BYTES> {
     }
 }
 
-/// Goal of a machine that plays quintics, by moves that it plans itself.
+/// Where a machine that plays quintics is to go, by moves that it plans itself. An image without quintics answers
+/// `NoQuintics`. `Done` means that the plan is begun, and until it ends each offer is refused with `Retargeting`; a
+/// goal with `cut` takes the place of one whose cut is ahead. The moves are numbered from `Status.next` on, and each
+/// gets its Verdict. Where there is no motion, a Verdict with the number `Status.next` has the violation, and nothing
+/// changes. A goal that is the state itself gives no move. A machine in `Idle` waits for `Start`.
+///
+/// Without `cut` the motion starts in the state `Status.end`, and has as many moves as there was room for at most.
+/// With `cut` it starts within the motion under way, as soon as it is planned. What is queued behind that place is
+/// dropped, `done` leaps to the number of the first new move, and `Status.cut` has the [`Cut`](super::Cut). Offers are
+/// refused until then. Where the plan comes too late, or nothing moves, the moves are queued behind the others.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
@@ -186,14 +196,14 @@ pub struct Goal<N: Number> {
     pub to: Pose<N>,
     /// (vx, vy, alphadot) there.
     pub velocity: [N; 3],
-    /// True: from the motion under way, which is cut as soon as the new one is planned. False: behind the moves that are
-    /// queued. Where nothing moves, both are the same.
+    /// `true`: from the motion under way, which is cut as soon as the new one is planned. `false`: behind the moves
+    /// that are queued. Where nothing moves, both are the same.
     pub cut: bool,
     /// Fewest ticks of the motion: a goal in motion is passed at this time, if that is possible. 0: as short as it is proven.
     pub least_ticks: u32,
 }
 
-/// A joint-space move, rest to rest, from wherever the motors stand.
+/// A joint-space move, rest to rest, from the present motor angles.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]

@@ -22,7 +22,7 @@ pub struct DigitalStates {
 pub struct OutputSwitch {
     /// Number of the move: the next to offer.
     pub number: u32,
-    /// Outputs that go on, a bit for each.
+    /// Outputs that go on, a bit for each: bit 0 is the first of the scene.
     pub on: u8,
     /// Outputs that go off. One of both goes on.
     pub off: u8,

@@ -6,13 +6,13 @@ use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 use trirrr_core::number::Number;
 
-/// State of a drive, as it was heard last.
+/// State of a drive, by its last frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum DriveState {
-    /// Nothing was heard of it, or not for the timeout.
+    /// No frame from the drive yet, or none within the timeout.
     #[default]
     Silent,
-    /// Off; ready to be switched on.
+    /// Off, ready to be switched on.
     Off,
     /// On its way on, or busy with a task of its own, such as a calibration.
     Preparing,
@@ -24,7 +24,7 @@ pub enum DriveState {
     Fault,
 }
 
-/// One drive, as it was heard last. Values are those of the joint: gear, direction and zero are accounted for.
+/// One drive, by its last frames. Values are those of the joint: gear, direction and zero are accounted for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
@@ -33,26 +33,26 @@ pub struct DriveReading<N: Number> {
     pub state: DriveState,
     /// The drive's own code of an error, 0 for none.
     pub error: u32,
-    /// Angle of the joint, in (-pi, pi],
+    /// Angle of the joint, in (-pi, pi].
     pub angle: N::Angle,
-    /// its rate,
+    /// Its rate.
     pub rate: N,
-    /// and the torque of the motor on the joint; 0 of a drive that tells none.
+    /// Torque of the motor on the joint; 0 of a drive that tells none.
     pub torque: N,
-    /// Temperature of the drive in degrees Celsius; [`DriveReading::NO_TEMPERATURE`] of a drive that tells none.
+    /// Temperature of the drive in degrees Celsius; -2^31 of a drive that tells none.
     pub temperature_c: i32,
     /// Supply of the drive in mV; 0 of a drive that tells none.
     pub supply_mv: u32,
-    /// Ticks since the drive told its angle, up to the most that the type holds,
+    /// Ticks since the drive told its angle, at most 65535.
     pub age: u16,
-    /// and since it told its state.
+    /// Ticks since the drive told its state, at most 65535.
     pub state_age: u16,
     /// Times that the drive has restarted, as far as its positions tell, modulo 256. Its angle may be whole turns of the rotor off
     /// since.
     pub restarts: u8,
 }
 
-/// All drives in one tick.
+/// All drives in one tick, asked for by `Drives`. Only a machine whose scene has `[feedback]` sends them.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
@@ -68,22 +68,22 @@ pub struct DriveSample<N: Number> {
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
 pub enum NotEnabled<N: Number> {
-    /// A drive is silent, in error, not calibrated, or has not switched on in time.
+    /// A drive is silent, in error, not calibrated, or was not on in time.
     Drive {
-        /// Motor, from 0.
+        /// The motor, from 0.
         motor: u8,
         /// State of its drive.
         state: DriveState,
         /// The drive's own code of an error, 0 for none.
         error: u32,
     },
-    /// A joint moves while the machine looks where it is.
+    /// A joint moved while the machine looked where it is.
     Moves {
-        /// Motor, from 0.
+        /// The motor, from 0.
         motor: u8,
-        /// Angle by which it moved, rad,
+        /// Angle by which it moved, rad.
         value: N,
-        /// and the most allowed.
+        /// Most that is allowed, rad.
         limit: N,
     },
     /// The joint angles belong to no pose with the elbows and on the side of det A that the scene's start has.
@@ -92,13 +92,13 @@ pub enum NotEnabled<N: Number> {
     ManyPoses,
     /// The pose is nearer to a singularity than the limits allow.
     Singular {
-        /// The distance.
+        /// The distance that is too small.
         what: Bounded,
-        /// Leg, from 0, of a serial singularity.
+        /// Leg of a serial singularity, from 0.
         leg: Option<u8>,
-        /// Its value,
+        /// Its value.
         value: N,
-        /// and the least allowed.
+        /// Least that is allowed.
         limit: N,
     },
     /// Drives have restarted, or were silent, while the machine stayed on. Their joints are taken to be nearest to where they

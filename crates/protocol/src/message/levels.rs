@@ -25,15 +25,16 @@ pub const FULL_LEVEL: u8 = u8::MAX;
 /// Parts of a level in which a [`LevelRange`] is given.
 pub const LEVEL_PARTS: u32 = 1 << 16;
 
-/// Levels that follow those before, for moves to come.
+/// Levels that follow those before. An image without power lists answers `NoLevels` and does not read the content,
+/// here and in a [`ListedMove`](super::ListedMove).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct LevelPiece {
-    /// Number of the first level, modulo 2^32: that behind the last one sent, or any other behind those of the last move that was
-    /// taken. What lies behind it is sent anew.
+    /// Number of the first level, modulo 2^32: that behind the last one given, or any other behind those of the last
+    /// move that was taken. What lies behind it is sent anew.
     pub first: u32,
     /// Levels of the piece, 1 to [`LEVELS`].
     pub count: u8,
-    /// The levels, 0 for no power to [`FULL_LEVEL`]; zeros behind them.
+    /// The levels, 0 for no power to [`FULL_LEVEL`] for that of the move's tool setting; zeros behind them.
     pub levels: [[u8; ROW]; LEVELS / ROW],
 }
 
@@ -45,9 +46,10 @@ pub struct LevelRange {
     pub first: u32,
     /// Number of levels, positive.
     pub count: u16,
-    /// Place in the first level at which the move starts, in parts of a level.
+    /// Place in the first level at which the move starts, in 1/65536 of a level.
     pub offset: u16,
-    /// Levels from the start of the move to its end, in parts of a level, positive. With `offset` no more than `count`.
+    /// Levels from the start of the move to its end, in 1/65536 of a level, positive. With `offset` no more than
+    /// `count`.
     pub span: u32,
 }
 

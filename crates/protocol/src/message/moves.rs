@@ -14,11 +14,11 @@ use trirrr_core::setpoint::{Pose, Setpoint};
 pub struct Move<N: Number> {
     /// Counts the moves one by one, modulo 2^32; [`Status`](super::Status) says which is expected.
     pub number: u32,
-    /// Start pose: bit for bit the end of the last move, or the pose where the machine stands.
+    /// Start pose: the bits of the end of the last move, or of the pose in which the machine stands.
     pub from: Pose<N>,
-    /// End pose of the move.
+    /// End pose.
     pub to: Pose<N>,
-    /// (vx, vy, alphadot) at its start: that at the end of the last one, in the bits.
+    /// (vx, vy, alphadot) at its start: the bits of the velocity at the end of the last move.
     pub start_velocity: [N; 3],
     /// (vx, vy, alphadot) at its end.
     pub end_velocity: [N; 3],
@@ -31,15 +31,16 @@ pub struct Move<N: Number> {
     pub tool_speed: N,
 }
 
-/// One quintic move.
+/// One quintic move: a polynomial of the fifth degree in time. An image whose scene has none answers `NoQuintics` and
+/// does not read its content.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
 pub struct QuinticMove<N: Number> {
     /// All that it has in common with a cubic one.
     pub common: Move<N>,
-    /// (ax, ay, alphaddot) at its start: that at the end of the last move, in the bits, if that was a quintic;
-    /// otherwise 0.
+    /// (ax, ay, alphaddot) at its start: the bits of `Status.end`, which are those of the end of the last move if it
+    /// was a quintic, and otherwise 0.
     pub start_acceleration: [N; 3],
     /// (ax, ay, alphaddot) at its end.
     pub end_acceleration: [N; 3],
@@ -53,21 +54,21 @@ pub const BATCH: usize = 4;
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
 pub struct MoveBatch<N: Number> {
-    /// Number of the first move, as in a [`Move`]. The others are counted on from it.
+    /// Number of the first move, as in a [`Move`](super::Move). The others are counted on from it.
     pub number: u32,
-    /// Checksum of the setpoint from which the first move starts: the CRC-32 of the bytes of
-    /// [`Status::end`](super::Status::end), without the byte that says that there is one.
+    /// CRC-32 of the bytes of the setpoint from which the first move starts: `Status.end`, without the byte that says
+    /// that there is one. The acceleration behind a cubic is 0.
     pub check: u32,
     /// The moves, from the first place on and without gaps.
     pub steps: [Option<MoveStep<N>>; BATCH],
 }
 
-/// One move of a [`MoveBatch`].
+/// One move of a batch.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
 pub struct MoveStep<N: Number> {
-    /// End pose of the move.
+    /// End pose.
     pub to: Pose<N>,
     /// (vx, vy, alphadot) at its end.
     pub velocity: [N; 3],
@@ -79,14 +80,14 @@ pub struct MoveStep<N: Number> {
     pub tool: Option<ToolSetting<N>>,
 }
 
-/// Setting of the tool, as in a [`Move`].
+/// Setting of the tool, as in a [`Move`](super::Move).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
 pub struct ToolSetting<N: Number> {
-    /// The tool's power.
+    /// Power of the tool, 0 to 1.
     pub power: N,
-    /// Speed at which it has that power.
+    /// Speed of the tool at which it has that power; 0 for the same power at any speed.
     pub speed: N,
 }
 

@@ -11,11 +11,11 @@ use trirrr_core::setpoint::Pose;
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
 pub enum ProbeRun<N: Number> {
-    /// It is under way, and its contact has not changed.
+    /// The run is under way, and the contact has not changed.
     Armed,
     /// The contact has changed.
     Touched(ProbeContact<N>),
-    /// It has ended, and its contact has not changed.
+    /// The run has ended, and the contact has not changed.
     NotTouched,
 }
 

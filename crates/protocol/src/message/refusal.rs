@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use trirrr_core::machine::Quantity;
 use trirrr_core::number::Number;
 
-/// Reason for which a command was not executed. A refused command changes nothing.
+/// Reason why a command was not executed. A refused command changes nothing.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
@@ -40,13 +40,13 @@ pub enum Refusal<N: Number> {
     SequenceReused,
     /// Not in this state.
     State(State),
-    /// Start, and nothing is admitted.
+    /// `Start` without an admitted move.
     NothingQueued,
-    /// Start, and what is admitted is not enough, but there are moves that are not judged yet.
+    /// `Start` while the admission of a move is not decided yet.
     Undecided,
-    /// Start, and what is admitted ends moving before the machine could come to rest.
+    /// `Start` with admitted moves that end with a velocity before the machine could come to rest.
     EndsMoving,
-    /// No room for another move.
+    /// No room for another move, or piece of a path. In `Idle` room comes by `Start`.
     QueueFull,
     /// The move's number is not the next.
     MoveNumber {
@@ -60,9 +60,9 @@ pub enum Refusal<N: Number> {
         /// The longest, in ticks.
         longest: u32,
     },
-    /// The move does not start where the last one ends, or the machine stands.
+    /// The move does not start where the last one ends, or where the machine stands.
     StartPose,
-    /// The move does not start as fast as the last one ends.
+    /// The move does not start with the velocity with which the last one ends.
     StartVelocity,
     /// The tool's power is not between 0 and 1, or its speed is negative.
     Tool,
@@ -72,28 +72,28 @@ pub enum Refusal<N: Number> {
     NoSuchLeg,
     /// The scene's part cannot be built.
     Parameter {
-        /// Quantity that is wrong,
+        /// Quantity that is wrong.
         quantity: Quantity,
-        /// and the leg that it belongs to.
+        /// Leg that it belongs to, from 0.
         leg: Option<u8>,
     },
-    /// The image holds no code for what the scene would then have: link or rotor inertia, gravity, a
-    /// centre of mass off the reference point.
+    /// The image holds no code for a load that the scene would then have: link or rotor inertia, gravity, a centre of
+    /// mass off the reference point.
     NotInImage,
     /// With the new geometry, no pose near the last fits the motors' angles.
     NoPose,
     /// The recovery, or the homing, would break this limit, or end where this limit does not allow; or with the new part of the scene
     /// the machine would break it where it stands.
     Recovery(Violation<N>),
-    /// The tick has not taken the commands before this one yet.
+    /// The tick has not yet taken the commands before this one.
     Busy,
-    /// The scene has no homing: where the motors are is known.
+    /// The scene has no homing.
     NoHoming,
     /// The image holds no code for quintic moves.
     NoQuintics,
-    /// The quintic move does not start with the acceleration that the last one ends with.
+    /// The quintic move does not start with the acceleration with which the last one ends.
     StartAcceleration,
-    /// The feed override is not 1 to 100 %.
+    /// A feed override is 1 to 100 %.
     FeedOverride,
     /// A retarget is being planned: no move is taken before its moves are.
     Retargeting,
@@ -144,7 +144,7 @@ pub enum Refusal<N: Number> {
     Update(UpdateRefusal),
     /// The scene names no such spare output.
     NoOutput {
-        /// Number of those that it names.
+        /// Number of those that the scene names.
         outputs: u8,
     },
     /// No room for another change of outputs with the motion, before one of those given is over.

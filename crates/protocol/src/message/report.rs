@@ -22,8 +22,11 @@ use trirrr_core::setpoint::Setpoint;
 /// Bytes for the name of a scene.
 pub const NAME_CAPACITY: usize = 32;
 
-/// Whatever a machine sends. `S` is what a part of the scene in it is: a [`Section`], or
-/// [`Written`](super::Written) by a machine that only passes it on.
+/// Everything that a machine sends.
+///
+/// # Type parameters
+/// `S` is what a part of the scene in it is: a [`Section`], or [`Written`](super::Written) by a machine that only
+/// passes it on.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(
     serialize = "N: Transmit, S: Serialize",
@@ -40,7 +43,7 @@ pub enum Message<N: Number, S = Section> {
         /// The answer.
         reply: Reply<N, S>,
     },
-    /// Something happened. Whatever an event says can be read from the [`Status`] too.
+    /// Something happened. Everything that an event says is in the [`Status`] too.
     Event(Event<N>),
     /// A sample of one tick.
     Telemetry(Telemetry<N>),
@@ -76,15 +79,15 @@ pub enum MessageRef<'a, N: Number, S = Section> {
 #[postcard(bound = "N: Transmit, S: Schema")]
 #[allow(clippy::large_enum_variant)] // as above
 pub enum Reply<N: Number, S = Section> {
-    /// It is done, or will be within the next ticks; a move is offered, its verdict follows.
+    /// Done, or will be within the next ticks. For a move: offered, its verdict follows.
     Done,
-    /// It is not done.
+    /// Not executed.
     Refused(Refusal<N>),
-    /// To a hello.
+    /// Answer to a hello.
     Hello(Identity),
-    /// To a question for a part of the scene.
+    /// Answer to a question for a part of the scene.
     Section(S),
-    /// To a question for the status.
+    /// Answer to a question for the status.
     Status(Status<N>),
     /// The request came before one that is missing. It is kept, and executed and answered in its turn.
     Kept {
@@ -95,10 +98,10 @@ pub enum Reply<N: Number, S = Section> {
     Update(UpdateStatus),
 }
 
-/// Identity of a machine.
+/// Description of a machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Identity {
-    /// [`PROTOCOL`](super::PROTOCOL).
+    /// Version of this protocol: [`PROTOCOL`](super::PROTOCOL).
     pub protocol: u16,
     /// Key of the messages' layout.
     pub schema: u64,
@@ -108,54 +111,55 @@ pub struct Identity {
     pub name: [u8; NAME_CAPACITY],
     /// Ticks per second.
     pub tick_rate_hz: f64,
-    /// One unit of length in m, 1 for the float types,
+    /// One unit of length in m; 1 for floats.
     pub length_m: f64,
-    /// one unit of time in s,
+    /// One unit of time in s; 1 for floats.
     pub time_s: f64,
-    /// and one unit of mass in kg.
+    /// One unit of mass in kg; 1 for floats.
     pub mass_kg: f64,
-    /// Ticks from normal speed to rest.
+    /// Ticks from normal speed to rest where the limits leave room.
     pub ramp_ticks: u16,
-    /// Silence of the host, in ticks, after which a running machine stops; 0 for never.
+    /// Host timeout: ticks without a request after which a running machine stops; 0 for never.
     pub silence_ticks: u32,
-    /// Moves that can wait, those not yet admitted included.
+    /// Moves that the queue can hold, including those not yet admitted. The move under way is not among them: `room` +
+    /// (`next` - `done`) is up to `queue` + 1.
     pub queue: u16,
     /// Requests that may be sent before the answer to the first of them has come.
     pub window: u8,
-    /// Most moves of a [`MoveBatch`](super::MoveBatch).
+    /// Most moves of a [`MoveBatch`](super::MoveBatch); 1 from a machine that takes none.
     pub batch: u8,
-    /// Sequence number of the next request. The machine draws it anew for each conversation: who has not read it cannot ask for
-    /// anything.
+    /// Sequence number of the next request. The machine draws it anew for each conversation: a sender that has not
+    /// read it cannot ask for anything.
     pub next_sequence: u32,
     /// The way in which the machine knows where its motors are.
     pub reference: AngleReference,
-    /// Board that carries the machine.
+    /// The electronics.
     pub board: Board,
-    /// Levels of power for which it has room; 0 where it plays no power lists.
+    /// Levels of power for which there is room; 0 of a machine that plays no power lists.
     pub levels: u16,
-    /// Build of the program that it runs.
+    /// Build of the program that the machine runs.
     pub firmware: Firmware,
 }
 
-/// Status of the machine and its job.
+/// State of the machine, its queue and its counters.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
 pub struct Status<N: Number> {
     /// Ticks since the machine was switched on, modulo 2^32.
     pub tick: u32,
-    /// State of the machine.
+    /// State of the service.
     pub state: State,
-    /// Cause that keeps the machine from normal speed, if any.
+    /// Reason why the machine is not at normal speed.
     pub acting: Acting,
     /// The latched fault.
     pub fault: Option<Fault<N>>,
     /// Number of the next move to offer.
     pub next: u32,
-    /// Number of the first move that is not admitted: all before it are,
+    /// Moves admitted since the machine was switched on, modulo 2^32: number of the first move that is not admitted.
     pub admitted: u32,
-    /// and of the first that is not over: all before it were passed to their end, or left on the way:
-    /// [`interrupted`](Self::interrupted) where the job has ended, [`cut`](Self::cut) by a retarget.
+    /// Moves that are over, counted the same way: passed to their end, or left on the way:
+    /// [`interrupted`](Self::interrupted) and [`cut`](Self::cut) say where.
     pub done: u32,
     /// Number of the next piece of a path. A piece that is refused, and all behind it, are dropped: the next to
     /// give takes its place.
@@ -166,23 +170,21 @@ pub struct Status<N: Number> {
     pub room: u16,
     /// The last move that was not admitted, until the next one is offered.
     pub refused: Option<Verdict<N>>,
-    /// Setpoint where the next move has to start. It is the end of the last move offered, or the
-    /// setpoint where the machine stands.
+    /// Start of the next move: the end of the last one offered, or the pose in which the machine stands.
     pub end: Option<Setpoint<N>>,
-    /// Telemetry samples that were dropped because nobody fetched them, modulo 2^32.
+    /// Telemetry samples that were dropped for lack of room, modulo 2^32.
     pub lost: u32,
-    /// The longest tick so far, from when it was due until its outputs stood, in counts of the
-    /// board's timer.
+    /// Longest latency of a tick so far, from its due time until its outputs were set, in counts of the board's timer.
     pub longest_tick: u32,
     /// Ticks in which the machine ran slower, or stood, because its queue was empty, modulo 2^32. Those of the present wait are
     /// counted when it ends.
     pub dry_ticks: u32,
     /// Ticks that came too late, modulo 2^32, on a machine that goes on then. A board stops at the first, with
-    /// [`FaultCode::Overrun`](super::FaultCode::Overrun).
+    /// `Overrun`.
     pub late_ticks: u32,
     /// Ticks of the longest way to rest so far, of a hold, a stop or a fault.
     pub longest_stop: u32,
-    /// Feed override: the pace that the host asked for last, in percent of normal speed.
+    /// Feed override: the pace that a host asked for last, in percent of normal speed.
     pub feed_percent: u8,
     /// The last cut by a retarget since the machine was switched on.
     pub cut: Option<Cut>,
@@ -190,7 +192,7 @@ pub struct Status<N: Number> {
     pub interrupted: Option<Interruption>,
     /// The job that was named last since the machine was switched on. One that was left is told until other moves are offered.
     pub job: Option<JobAccount>,
-    /// Reason why the last [`Enable`](super::Command::Enable) ended in [`State::Disabled`].
+    /// Reason why the last [`Enable`](super::Command::Enable) ended in [`Disabled`](State::Disabled).
     pub not_enabled: Option<NotEnabled<N>>,
     /// Inputs of the machine, free of bounces.
     pub inputs: InputStates,
@@ -213,41 +215,42 @@ impl<N: Number> Status<N> {
 pub struct JobAccount {
     /// The job as its host has named it.
     pub label: JobLabel,
-    /// Number of its first move: [`done`](Status::done), less this, is its place.
+    /// Number of its first move: [`Status::done`], less this, is its place.
     pub first_move: u32,
     /// Number of its first piece, where it is a path.
     pub first_piece: u32,
 }
 
-/// Cut of the motion by a retarget.
+/// Cut of the motion by a [`Goal`](super::Goal).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Cut {
-    /// Number of the move that was under way,
+    /// Number of the move that was under way.
     pub number: u32,
-    /// and its tick at which it was cut. The moves behind it were not begun,
+    /// Tick of that move at which it was cut. The move is not played to its end.
     pub at: u32,
-    /// up to this number, that of the retarget's first move.
+    /// Number of the first new move. Moves between the two were not begun.
     pub next: u32,
 }
 
-/// Place on the path at which a job lost its tool: at a stop, at a fault, or at an open door before them or before the end. The machine came to
-/// rest on the path behind it, maybe moves later: [`done`](Status::done) counts those, too. A host that goes on with the job begins here.
+/// Place on the path at which a job lost its tool: at a stop, at a fault, or at an open door before them or before the
+/// end. The machine came to rest on the path behind it, maybe moves later; [`Status::done`] counts those, too. A host
+/// that goes on with the job begins here, not where the machine stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct Interruption {
-    /// Number of the move that was under way.
+    /// Number of the move that was under way. The moves behind it were not played with the tool.
     pub number: u32,
     /// Its tick.
     pub at: u32,
 }
 
-/// The verdict over a move.
+/// Result of the admission of a move.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
 pub struct Verdict<N: Number> {
     /// The move's number.
     pub number: u32,
-    /// Violation that the move would cause; none where the move is admitted.
+    /// The limit that the move would break, or is not proven to keep; none where it is admitted.
     pub violation: Option<Violation<N>>,
 }
 
@@ -256,16 +259,15 @@ pub struct Verdict<N: Number> {
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
 pub enum Event<N: Number> {
-    /// A move was judged. Once one is refused, those behind it are dropped, and the next to offer
-    /// has its number.
+    /// The admission of a move ended. A refusal drops the moves behind it; the next move to offer has its number.
     Verdict(Verdict<N>),
-    /// The state, or what acts, changed.
+    /// The state, or the reason in `acting`, changed.
     State {
-        /// State of the machine.
+        /// State of the service.
         state: State,
-        /// Cause that keeps the machine from normal speed, if any.
+        /// Reason why the machine is not at normal speed.
         acting: Acting,
-        /// Number of the first move that is not over.
+        /// Moves that are over.
         done: u32,
     },
     /// A fault was latched.

@@ -51,7 +51,7 @@ impl Section {
     }
 }
 
-/// One leg, see [`LegParameters`].
+/// One leg.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Leg {
     /// Base joint A in the fixed frame, m.
@@ -64,7 +64,7 @@ pub struct Leg {
     pub joint_radius_m: f64,
     /// Its direction in the platform's frame, rad.
     pub joint_angle_rad: f64,
-    /// True if the elbow lies to the left of A -> C.
+    /// `true`: the elbow lies to the left of A -> C.
     pub elbow_positive: bool,
     /// Mass of the proximal link (kg), distance of its centre of mass from A (m), its moment of
     /// inertia about that (kg m^2).
@@ -73,11 +73,12 @@ pub struct Leg {
     pub distal: [f64; 3],
     /// Rotor inertia at the joint, kg m^2.
     pub rotor_inertia_kgm2: f64,
-    /// Encoder offset, rad: the motor stands at the angle that its drive counted as the image was made, plus this.
+    /// Encoder offset, rad, -pi to pi: the motor stands at the angle that its drive counted as the image was made,
+    /// plus this. 0 in an image.
     pub encoder_offset_rad: f64,
 }
 
-/// The platform and its loads, see [`Parameters`].
+/// The platform and its loads.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 pub struct Platform {
     /// Mass, kg.

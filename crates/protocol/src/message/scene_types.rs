@@ -95,14 +95,15 @@ impl SceneNeeds {
     }
 }
 
-/// Types and constants of an image, or those that a scene needs. Values of a scene are not among them.
+/// Types and constants of an image, or those that a scene needs: see types and values. Values of a scene are not among
+/// them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct SceneTypes {
-    /// Parts that are there: bit n for the n-th [need](SceneNeed), from [`SceneNeed::Torques`] to [`SceneNeed::Batches`].
+    /// Parts that are there: bit n for variant n of [`SceneNeed`], 0 to 8.
     pub room: u16,
     /// Levels of the tool's power for which there is room.
     pub levels: u16,
-    /// A key each of what has to be the same, from [`SceneNeed::Number`] to [`SceneNeed::Contact`].
+    /// A key each of what has to be the same, of the variants 10 to 19 of [`SceneNeed`].
     pub keys: [u32; SCENE_KEYS],
 }
 

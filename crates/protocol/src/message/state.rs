@@ -4,55 +4,55 @@ use super::violation::Bounded;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 
-/// State of the machine. The tool is on only while the machine plays a job, [`State::is_running`].
+/// State of the service. The tool is on only while the machine plays a job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum State {
-    /// Stands, nothing under way.
+    /// Stands, no job.
     Idle,
     /// Plays the job.
     Running,
-    /// Running, on the way to a hold.
+    /// Plays the job, on the ramp to a hold.
     Slowing,
-    /// Comes to rest to drop the job.
+    /// On the ramp to rest, the job is dropped.
     Stopping,
     /// Stands on the path.
     Holding,
     /// A fault is latched; the drives are off, or hold where the scene says so.
     Fault,
-    /// Drives are on after a fault, the platform's pose is not known; waits for a recovery.
+    /// The drives are on after a fault, the platform's pose is not known; waits for a recovery.
     Cleared,
-    /// The motors move one by one to where they are at a pose.
+    /// Each motor moves by itself to its angle at a pose.
     Recovering,
-    /// Drives are on in a scene with homing: where the motors are is not known.
+    /// The drives are on, motor angles are unknown: in a scene with homing.
     Unhomed,
-    /// The motors look for their switches or stops.
+    /// The motors search for their switches or hard stops.
     Homing,
-    /// Drives are off, until the host enables them: the state after every start and after every fault.
+    /// The drives are off until the host enables them: after every start and every fault.
     Disabled,
-    /// Drives are checked and go on where the motors are.
+    /// The drives are checked, and go on where the motors are.
     Enabling,
     /// The motors stand and the brake engages; then the drives go off.
     Disabling,
-    /// A fault is latched: the machine comes to rest on its path, then the drives go off or hold, as the scene says.
+    /// A fault is latched: the machine comes to rest on its path, then the drives go off, or hold, as the scene says.
     Reacting,
 }
 
-/// Cause that keeps the machine from normal speed.
+/// Reason why the machine is not at normal speed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Acting {
     /// Nothing.
     Nothing,
     /// A hold that the host asked for.
     Hold,
-    /// It is on the way back to normal speed.
+    /// The ramp back to normal speed.
     Resume,
     /// A stop that the host asked for.
     Stop,
-    /// The host has been silent for too long. A job waits to be resumed; any other motion is given up.
+    /// Host timeout. A job waits to be resumed; any other motion is given up.
     Silence,
-    /// The queue ends while the machine moves: the machine waits for more.
+    /// The queue ends with a velocity: the machine waits for more moves.
     QueueDry,
-    /// A limit of the scene: the one that the fault names.
+    /// A limit of the scene, named by the fault.
     Limit(Bounded),
     /// The door is open, or was: the machine waits to be resumed once it is closed.
     Door,

@@ -13,7 +13,9 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Pose, Setpoint};
 
-/// Results of a tick that a sample has, a bit for each. Bits without a name are ignored.
+/// Fields of a [`Telemetry`] sample, a bit for each: setpoint 1, angles 2, rates 4, accelerations 8, torques 16, tool 32,
+/// duration 64. All of them are 127. Other bits are ignored. Angles, rates, accelerations and torques of the motors
+/// follow from the setpoint; a client that computes them gets more samples over a slow line.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub struct TelemetryFields(pub u16);
 
@@ -22,13 +24,13 @@ impl TelemetryFields {
     pub const NONE: Self = Self(0);
     /// The setpoint. All that the motors do can be computed from it.
     pub const SETPOINT: Self = Self(1);
-    /// Angles of the motors,
+    /// Angles of the motors.
     pub const ANGLES: Self = Self(1 << 1);
-    /// their rates,
+    /// Rates of the motors.
     pub const RATES: Self = Self(1 << 2);
-    /// their accelerations,
+    /// Accelerations of the motors.
     pub const ACCELERATIONS: Self = Self(1 << 3);
-    /// and their torques.
+    /// Torques of the motors.
     pub const TORQUES: Self = Self(1 << 4);
     /// Power of the tool.
     pub const TOOL: Self = Self(1 << 5);
@@ -62,41 +64,40 @@ impl BitOr for TelemetryFields {
     }
 }
 
-/// One tick: the setpoint and what it asked of the motors. On the line it has only its [`fields`](Self::fields); the others are
-/// read as 0.
+/// One tick: the setpoint and the motion of the motors for it. Behind `fields` come only those whose bits it has; the
+/// others are read as 0.
 #[derive(Clone, Copy, Debug, PartialEq, Schema)]
 #[postcard(bound = "N: Transmit")]
 pub struct Telemetry<N: Number> {
     /// Ticks since the machine was switched on, modulo 2^32.
     pub tick: u32,
-    /// State of the machine.
+    /// State of the service.
     pub state: State,
-    /// Cause that keeps the machine from normal speed, if any.
+    /// Reason why the machine is not at normal speed.
     pub acting: Acting,
-    /// Number of the move under way, or of the last one.
+    /// Number of the move that is played, or of the last one.
     pub number: u32,
-    /// Whole ticks of the move's own time that have passed,
+    /// Whole ticks of the move's own time that have passed.
     pub at: u32,
-    /// and the rest in parts of 256 `ramp_ticks` to the tick; always 0 at normal speed.
+    /// The rest of that time, in parts of 256 `ramp_ticks` to the tick; always 0 at normal speed.
     pub part: u32,
-    /// Samples dropped so far because nobody fetched them, modulo 2^32.
+    /// Samples dropped so far for lack of room, modulo 2^32.
     pub lost: u32,
     /// Fields that the sample has, of those that follow.
     pub fields: TelemetryFields,
     /// Pose, velocity, acceleration, time scaling included.
     pub setpoint: Setpoint<N>,
-    /// theta_i1, in (-pi, pi].
+    /// theta_i1, directions of the proximal links, in (-pi, pi].
     pub angles: [N::Angle; 3],
-    /// Their rates,
+    /// thetadot_i1.
     pub rates: [N; 3],
-    /// accelerations,
+    /// thetaddot_i1.
     pub accelerations: [N; 3],
-    /// and the motors' torques on the proximal links; 0 from a scene that computes none.
+    /// Torques of the motors on the proximal links; 0 from a scene without torques.
     pub torques: [N; 3],
     /// Power of the tool, 0 to 1.
     pub tool: N,
-    /// Duration of the tick before, in counts of the board's timer. It runs from when that tick was
-    /// due until its outputs stood.
+    /// Latency of the tick before, from its due time until its outputs were set, in counts of the board's timer.
     pub duration: u32,
 }
 

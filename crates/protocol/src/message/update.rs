@@ -15,11 +15,12 @@ pub const BLOCK: usize = 4 * ROW;
 /// Mark in an image, behind which the build of the image lies as a [`Firmware`].
 pub const IMAGE_MARK: &[u8; 16] = b"trirrr image v1:";
 
-/// Step of an update. Each is taken while the drives are off, in [`State::Disabled`](super::State::Disabled).
+/// Step of an update of the program. An image without updates answers `NoUpdate` and does not read the content. The
+/// machine takes each step in [`Disabled`](super::State::Disabled).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 #[allow(clippy::large_enum_variant)] // a block is the largest and the most frequent
 pub enum UpdateStep {
-    /// Announces an image. One that is under way is dropped.
+    /// Announces an image. One that is under way is dropped. Nothing is written.
     Begin(ImageHeader),
     /// Brings bytes of it.
     Block(ImageBlock),
@@ -28,7 +29,8 @@ pub enum UpdateStep {
     Finish,
     /// Starts the machine anew, a tenth of a second after the answer.
     Restart,
-    /// Announces values of a scene, of which blocks come and an end as of an image. What is under way is dropped.
+    /// Announces values of a scene that comes over the line, of which blocks come and an end as of an image. What is
+    /// under way is dropped. Nothing is written.
     BeginScene(SceneHeader),
 }
 
@@ -135,7 +137,7 @@ pub enum UpdateRefusal {
     },
     /// The bytes in the flash have another checksum.
     Checksum {
-        /// Theirs.
+        /// Checksum of the bytes in the flash.
         found: u32,
     },
     /// The flash cannot be written.
@@ -155,9 +157,9 @@ pub enum UpdateRefusal {
     SceneNeeds(SceneNeed),
     /// A value of the scene is refused.
     SceneValue {
-        /// Quantity that is wrong,
+        /// Quantity that is wrong.
         quantity: Quantity,
-        /// and the leg that it belongs to.
+        /// Leg that it belongs to, from 0.
         leg: Option<u8>,
     },
     /// The machine of the scene cannot stand at its start.

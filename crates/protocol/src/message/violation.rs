@@ -10,7 +10,7 @@ use trirrr_core::units::Units;
 /// A quantity that has a bound.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum Bounded {
-    /// The span from the base joint to the platform joint, against what the leg reaches.
+    /// Distance from the base joint to the platform joint, against the reach of the leg.
     Reach,
     /// [Distance](trirrr_core::singularity) from the serial singularity.
     SerialDistance,
@@ -24,7 +24,7 @@ pub enum Bounded {
     Torque,
     /// Mechanical power of a motor.
     Power,
-    /// A result against the range of the number type.
+    /// A result, against the range of the number type.
     Range,
     /// Joint jerk.
     Jerk,
@@ -47,19 +47,17 @@ impl Bounded {
     }
 }
 
-/// Why a move is refused: the first limit on its way that it breaks, or that nothing proves it to keep.
-///
-/// The move is judged by bounds: at each instant of a short interval the true value lies within `error` of
-/// `value`.
+/// First limit along a move that it breaks, or that it is not proven to keep. The move is judged by bounds: at each
+/// instant of a short interval the true value lies within `error` of `value`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
 pub struct Violation<N: Number> {
-    /// Quantity that went beyond its bound.
+    /// The quantity beyond its bound.
     pub what: Bounded,
-    /// The leg or motor, from 0, where it belongs to one.
+    /// The leg or motor, from 0; none for the platform.
     pub index: Option<u8>,
-    /// When: fraction of the move's duration, 0 to 1.
+    /// Time: fraction of the move's duration, 0 to 1.
     pub at: N,
     /// The value in the middle of the interval.
     pub value: N,
@@ -67,12 +65,12 @@ pub struct Violation<N: Number> {
     pub error: Option<N>,
     /// The bound.
     pub limit: N,
-    /// True if all values within `error` of `value` break the bound. False if none is proven to break it, and
-    /// not all are proven to keep it.
+    /// `true`: all values within `error` of `value` break the bound. `false`: none is proven to break it, and not all
+    /// are proven to keep it.
     pub certain: bool,
-    /// True if only a hold, a stop or a resume there breaks the bound. Normal speed keeps it.
+    /// `true`: only a hold, a stop or a resume there breaks the bound; at normal speed it is kept.
     pub ramp: bool,
-    /// The shortest duration that would pass, where the move is merely too fast.
+    /// The shortest duration that would pass, where the move is only too fast.
     pub shortest: Option<LeastDuration>,
 }
 
@@ -81,8 +79,8 @@ pub struct Violation<N: Number> {
 pub struct LeastDuration {
     /// It passes; one tick less does not.
     pub enough: u32,
-    /// The longest of the durations that were tried and break a limit for certain; 0 if there was none. From
-    /// rest to rest all shorter ones break it, too. Between the two no duration is proven to do either.
+    /// Longest duration that was tried and breaks a limit for certain; 0 if there was none. From rest to rest all
+    /// shorter ones break it, too. Between the two no duration is proven to do either.
     pub too_short: u32,
 }
 
@@ -114,22 +112,22 @@ impl<N: Number> Violation<N> {
 #[serde(bound = "N: Transmit")]
 #[postcard(bound = "N: Transmit")]
 pub struct Fault<N: Number> {
-    /// Code of what happened.
+    /// The cause.
     pub code: FaultCode,
-    /// The leg or motor, from 0, where it belongs to one.
+    /// The leg or motor, from 0; none where the cause has none.
     pub index: Option<u8>,
     /// The value; 0 where there is none.
     pub value: N,
-    /// The limit that it broke; 0 where there is none.
+    /// The broken limit; 0 where there is none.
     pub limit: N,
     /// The tick in which it happened.
     pub tick: u32,
 }
 
-/// Subject of a fault.
+/// Cause of a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum FaultCode {
-    /// The tick's result was beyond a limit; it was not given out.
+    /// The tick's result was beyond a limit; the drives did not get it.
     Limit(Bounded),
     /// The setpoint had no motion: a leg does not reach it.
     Unreachable,
@@ -139,27 +137,25 @@ pub enum FaultCode {
     ParallelSingular,
     /// The setpoint had no motion: a result beyond the range of the number type.
     OutOfRange,
-    /// A tick was not done when the next was due; the value is the time that it took over the
-    /// period, at most 2, the limit 1.
+    /// A tick was not done when the next was due. The value is its latency over the period, at most 2; the limit is 1.
     Overrun,
-    /// A drive does not do what it was told.
+    /// A drive does not follow its command.
     Drive(DriveFault),
-    /// The board reports a fault; the value is its own code. 1: it started anew because it had
-    /// failed, and its identity says how.
+    /// The board reports a fault; the value is its own code. 1: the board restarted after a failure, and its identity
+    /// has the cause.
     Board,
-    /// Homing: the motor has moved by as much as it may, the limit in rad, and its switch has not
-    /// closed, or its drive has not stalled.
+    /// The motor has moved by the limit in rad, and its switch has not closed or its drive has not stalled.
     HomingNotFound,
-    /// Homing: the motor has backed off by the limit in rad, and its switch is still closed.
+    /// The motor has backed off by the limit in rad, and its switch is still closed.
     HomingNotReleased,
-    /// Homing: the switch was closed before the search, and is still closed after the motor has
-    /// moved away by the limit in rad.
+    /// The switch was closed before the search, and is still closed after the motor has moved away by the limit in
+    /// rad.
     HomingClosedAtStart,
-    /// A joint is farther from its command than it may be, for longer than it may be: angle and limit in rad.
+    /// A joint was farther from its command than it may be, for longer than it may be: angle and limit in rad.
     FollowingError,
-    /// Something pushes the platform: the force at D and the limit, in N, as the machine estimates them.
+    /// Something pushes the platform: the estimated force at D and the limit, in N.
     Contact,
-    /// Something turns the platform: the moment about D and the limit, in N m, as the machine estimates them.
+    /// Something turns the platform: the estimated moment about D and the limit, in N m.
     ContactMoment,
     /// The emergency stop was pressed, or its wire is broken.
     EmergencyStop,
@@ -167,17 +163,17 @@ pub enum FaultCode {
     LimitSwitch,
 }
 
-/// Reason why a drive does not do what it was told.
+/// Reason why a drive does not follow its command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, Schema)]
 pub enum DriveFault {
-    /// More microsteps in a tick than the stepper's driver takes; the value is in parts of the most
-    /// that it takes, the limit 1.
+    /// More microsteps in a tick than the stepper's driver accepts. The value is a multiple of what it accepts; the
+    /// limit is 1.
     StepRate,
-    /// A command beyond what the drive's frame can hold.
+    /// A command beyond the range of the drive's frame.
     Range,
-    /// The bus has not carried the commands of the tick before.
+    /// The commands of the tick before have not gone out on the bus.
     BusBusy,
-    /// The bus has taken the board off it after too many errors.
+    /// The bus controller has switched off after too many errors.
     BusOff,
     /// The drive reports an error of its own; the value is its code.
     Reported,
