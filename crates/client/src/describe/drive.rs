@@ -15,8 +15,8 @@ pub fn drive_state(state: DriveState) -> &'static str {
     }
 }
 
-/// Describes drives that have restarted: the angles that a person has to compare.
-fn restarted<N: Transmit>(angles: &[Option<N::Angle>; 3]) -> String {
+/// Drives that have restarted, and the angles that a person has to compare.
+fn restarted<N: Transmit>(angles: &[Option<N::Angle>; 3]) -> [String; 2] {
     let angles = (1..).zip(angles);
     let known = angles.filter_map(|(number, angle)| Some((number, N::angle_to_f64((*angle)?))));
     let known: Vec<(u32, f64)> = known.collect();
@@ -32,39 +32,42 @@ fn restarted<N: Transmit>(angles: &[Option<N::Angle>; 3]) -> String {
             short(*angle)
         )
     });
-    format!(
-        "restarted or silent while the machine stayed on: {drives}; {joints}, or whole turns of the rotor elsewhere. Compare with the \
-         machine. Where the angles are true, acknowledge them by trirrr enable --clear, --recover, or ClearFault; else turn the joints \
-         there by hand with the drives off, and restart the board at the start of the job"
-    )
+    [drives, joints]
 }
 
 /// Describes why a machine was not enabled.
 pub fn not_enabled<N: Transmit>(why: &NotEnabled<N>) -> String {
+    let counted = |motor: &u8| u32::from(*motor) + 1;
     match why {
+        NotEnabled::Drive {
+            motor,
+            state,
+            error: 0,
+        } => {
+            let (motor, state) = (counted(motor), drive_state(*state));
+            format!("drive {motor} is {state}: look at its power, its node number and its wiring")
+        }
         NotEnabled::Drive {
             motor,
             state,
             error,
         } => {
-            let (drive, state) = (motor + 1, drive_state(*state));
-            match error {
-                0 => format!("drive {drive} is {state}: look at its power, its node number and its wiring"),
-                _ => format!(
-                    "drive {drive} is {state} and reports its code {error}: clear it by trirrr enable --clear, --recover, or ClearFault"
-                ),
-            }
+            let (motor, state) = (counted(motor), drive_state(*state));
+            format!(
+                "drive {motor} is {state} and reports its code {error}: clear it by trirrr enable --clear, --recover, or ClearFault"
+            )
         }
         NotEnabled::Moves {
             motor,
             value,
             limit,
-        } => format!(
-            "joint {} moved by {} rad while the machine was enabled, the most allowed is {} rad",
-            motor + 1,
-            short(value.to_f64()),
-            short(limit.to_f64())
-        ),
+        } => {
+            let motor = counted(motor);
+            let [value, limit] = [value, limit].map(|angle| short(angle.to_f64()));
+            format!(
+                "joint {motor} moved by {value} rad while the machine was enabled, the most allowed is {limit} rad"
+            )
+        }
         NotEnabled::NoPose => {
             "the joints stand at no pose with the elbows of the scene and on its side of the parallel singularity: \
              move the platform by hand, or look at zero_rad of the drives"
@@ -80,12 +83,18 @@ pub fn not_enabled<N: Transmit>(why: &NotEnabled<N>) -> String {
             leg,
             value,
             limit,
-        } => format!(
-            "the {} is {}, the least allowed is {}: move the platform by hand",
-            subject(*what, *leg),
-            short(value.to_f64()),
-            short(limit.to_f64())
-        ),
-        NotEnabled::Restarted { angles } => restarted::<N>(angles),
+        } => {
+            let what = subject(*what, *leg);
+            let [value, limit] = [value, limit].map(|distance| short(distance.to_f64()));
+            format!("the {what} is {value}, the least allowed is {limit}: move the platform by hand")
+        }
+        NotEnabled::Restarted { angles } => {
+            let [drives, joints] = restarted::<N>(angles);
+            format!(
+                "restarted or silent while the machine stayed on: {drives}; {joints}, or whole turns of the rotor elsewhere. \
+                 Compare with the machine. Where the angles are true, acknowledge them by trirrr enable --clear, --recover, or \
+                 ClearFault; else turn the joints there by hand with the drives off, and restart the board at the start of the job"
+            )
+        }
     }
 }

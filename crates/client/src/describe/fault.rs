@@ -5,11 +5,7 @@ use trirrr_protocol::message::{DriveFault, Fault, FaultCode, Transmit};
 use trirrr_scene::words::{short, was_beyond};
 
 /// Describes the failure of a drive. `value` is that of the fault.
-fn drive(what: DriveFault, index: Option<u8>, value: &str) -> String {
-    let drive = match index {
-        Some(index) => format!("drive {}", index + 1),
-        None => "a drive".into(),
-    };
+fn drive(what: DriveFault, drive: &str, value: &str) -> String {
     match what {
         DriveFault::StepRate => {
             format!("{drive} would have to step {value} times as fast as it can")
@@ -29,73 +25,54 @@ fn drive(what: DriveFault, index: Option<u8>, value: &str) -> String {
 
 /// Describes a latched fault.
 pub fn fault<N: Transmit>(fault: &Fault<N>, units: &Units) -> String {
-    let value = || short(fault.value.to_f64());
-    // Angles are radians in any units.
-    let searched = || {
-        let motor = fault.index.map_or(0, |index| index + 1);
-        (motor, short(fault.limit.to_f64()))
+    let part = |name: &str| match fault.index {
+        Some(index) => format!("{name} {}", u32::from(index) + 1),
+        None => format!("a {name}"),
     };
-    let leg = |text: &str| match fault.index {
-        Some(index) => format!("leg {} is {text}", index + 1),
-        None => text.into(),
-    };
+    let [leg, motor, joint] = ["leg", "motor", "joint"].map(part);
+    // Angles are radians in any units; a machine that detects contacts computes in SI units.
+    let [value, limit] = [fault.value, fault.limit].map(|value| short(value.to_f64()));
     let text = match fault.code {
         FaultCode::Limit(what) => {
             let unit = units.of_bounded(what);
             let [value, limit] = [fault.value, fault.limit].map(|value| value.to_f64() * unit);
             was_beyond(what, fault.index, value, limit)
         }
-        FaultCode::Unreachable => leg("out of reach"),
-        FaultCode::SerialSingular => leg("stretched or folded"),
+        FaultCode::Unreachable => format!("{leg} is out of reach"),
+        FaultCode::SerialSingular => format!("{leg} is stretched or folded"),
         FaultCode::ParallelSingular => "parallel singular: the torques are not defined".into(),
         FaultCode::OutOfRange => "a result was out of the range of the number type".into(),
-        FaultCode::Overrun => format!("a tick took {} of its period", value()),
-        FaultCode::Drive(what) => drive(what, fault.index, &value()),
+        FaultCode::Overrun => format!("a tick took {value} of its period"),
+        FaultCode::Drive(what) => drive(what, &part("drive"), &value),
         FaultCode::Board if fault.value == N::ONE => {
             "the board has started anew because it had failed".into()
         }
-        FaultCode::Board => format!("the board reports its code {}", value()),
+        FaultCode::Board => format!("the board reports its code {value}"),
         FaultCode::FollowingError => {
-            let (motor, limit) = searched();
-            let value = value();
-            format!(
-                "joint {motor} is {value} rad from its command, the most allowed is {limit} rad"
-            )
+            format!("{joint} is {value} rad from its command, the most allowed is {limit} rad")
         }
-        // A machine that detects contacts computes in SI units.
         FaultCode::Contact => {
-            let (value, limit) = (value(), short(fault.limit.to_f64()));
             format!("contact: a force of {value} N at the tool, the most allowed is {limit} N")
         }
         FaultCode::ContactMoment => {
-            let (value, limit) = (value(), short(fault.limit.to_f64()));
             format!("contact: a moment of {value} N m at the tool, the most allowed is {limit} N m")
         }
         FaultCode::EmergencyStop => {
             "the emergency stop was pressed, or its wire is broken: release it, then acknowledge the fault".into()
         }
-        FaultCode::LimitSwitch => {
-            let motor = fault.index.map_or(0, |motor| u32::from(motor) + 1);
-            format!(
-                "motor {motor} has reached its limit switch, or the wire of that is broken: acknowledge the fault, then a recovery \
-                 leads off it"
-            )
-        }
+        FaultCode::LimitSwitch => format!(
+            "{motor} has reached its limit switch, or the wire of that is broken: acknowledge the fault, then a recovery \
+             leads off it"
+        ),
         FaultCode::HomingNotFound => {
-            let (motor, limit) = searched();
-            format!("homing: motor {motor} has not found its switch or stop within {limit} rad")
+            format!("homing: {motor} has not found its switch or stop within {limit} rad")
         }
         FaultCode::HomingNotReleased => {
-            let (motor, limit) = searched();
-            format!("homing: the switch of motor {motor} is still closed {limit} rad back from it")
+            format!("homing: the switch of {motor} is still closed {limit} rad back from it")
         }
-        FaultCode::HomingClosedAtStart => {
-            let (motor, limit) = searched();
-            format!(
-                "homing: the switch of motor {motor} was closed at the start, and is still closed \
-                 {limit} rad away"
-            )
-        }
+        FaultCode::HomingClosedAtStart => format!(
+            "homing: the switch of {motor} was closed at the start, and is still closed {limit} rad away"
+        ),
     };
     format!("{text} (tick {})", fault.tick)
 }

@@ -1,7 +1,7 @@
 //! Refusals of commands.
 
 use super::{Units, state, violation};
-use trirrr_protocol::message::{Acting, Refusal, SceneNeed, Transmit, UpdateRefusal};
+use trirrr_protocol::message::{Acting, PROTOCOL, Refusal, SceneNeed, Transmit, UpdateRefusal};
 
 /// Describes the reason why a command was not executed. `ticks` is the duration of the move that was
 /// refused, if the command was a move.
@@ -9,8 +9,7 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
     match refusal {
         Refusal::HelloFirst => "the board has had no hello since it was switched on".into(),
         Refusal::Protocol { expected } => format!(
-            "the board speaks version {expected} of the protocol, this program version {}",
-            trirrr_protocol::message::PROTOCOL
+            "the board speaks version {expected} of the protocol, this program version {PROTOCOL}"
         ),
         Refusal::Schema { expected } => match super::board::number_type(*expected) {
             Some(number) => format!(
@@ -32,10 +31,10 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
         Refusal::SequenceReused => {
             "the request's number was used for another command: has the board two clients?".into()
         }
-        Refusal::State(found) => format!(
-            "not while the machine is {}",
-            state(*found, Acting::Nothing)
-        ),
+        Refusal::State(found) => {
+            let state = state(*found, Acting::Nothing);
+            format!("not while the machine is {state}")
+        }
         Refusal::NothingQueued => "no move is queued".into(),
         Refusal::Undecided => "a queued move is not admitted yet".into(),
         Refusal::EndsMoving => {
@@ -90,17 +89,17 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
         Refusal::NoProbe => "the board's scene names no probe: [inputs.probe] would".into(),
         Refusal::ProbeTouches => "the probe touches before the run".into(),
         Refusal::ProbeOpen => "the probe does not touch before the run, which is to lead away".into(),
-        Refusal::LimitSwitch { motor } => format!(
-            "motor {} stands on its limit switch: only a recovery or homing moves the machine off it",
-            u32::from(*motor) + 1
-        ),
+        Refusal::LimitSwitch { motor } => {
+            let motor = u32::from(*motor) + 1;
+            format!("motor {motor} stands on its limit switch: only a recovery or homing moves the machine off it")
+        }
         Refusal::NoOutput { outputs: 0 } => {
             "the board's scene names no spare output: [[io.outputs]] would".into()
         }
-        Refusal::NoOutput { outputs } => format!(
-            "the board's scene names {outputs} spare outputs, of the numbers 0 to {}",
-            outputs - 1
-        ),
+        Refusal::NoOutput { outputs } => {
+            let last = outputs - 1;
+            format!("the board's scene names {outputs} spare outputs, of the numbers 0 to {last}")
+        }
         Refusal::OutputsFull => {
             "the board has no room for more changes of outputs with moves yet".into()
         }
@@ -111,10 +110,10 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
             "the board's image holds no code for such links, loads or such a centre of mass".into()
         }
         Refusal::NoSuchLeg => "there is no such leg".into(),
-        Refusal::Parameter { quantity, leg } => match leg {
-            Some(leg) => format!("{quantity} of leg {} cannot be built", leg + 1),
-            None => format!("{quantity} cannot be built"),
-        },
+        Refusal::Parameter { quantity, leg } => {
+            let leg = of_leg(*leg);
+            format!("{quantity}{leg} cannot be built")
+        }
         Refusal::NoPose => "with the new geometry, no pose fits the motors' angles".into(),
         Refusal::Recovery(found) => violation(found, ticks, units),
         Refusal::Busy => "the board's tick has not taken the commands before this one".into(),
@@ -128,6 +127,11 @@ pub fn refusal<N: Transmit>(refusal: &Refusal<N>, ticks: u32, units: &Units) -> 
         }
         Refusal::Update(refusal) => update(refusal),
     }
+}
+
+/// The leg of a quantity, behind it.
+fn of_leg(leg: Option<u8>) -> String {
+    leg.map_or_else(String::new, |leg| format!(" of leg {}", u32::from(leg) + 1))
 }
 
 /// Describes the reason why a step of an update was not taken, and what to do.
@@ -166,17 +170,14 @@ fn update(refusal: &UpdateRefusal) -> String {
              update its program"
                 .into()
         }
-        UpdateRefusal::SceneNeeds(need) => format!(
-            "the board's image lacks what the scene needs: {}",
-            scene_need(*need)
-        ),
-        UpdateRefusal::SceneValue { quantity, leg } => match leg {
-            Some(leg) => format!(
-                "the board cannot build the scene: {quantity:?} of leg {}",
-                leg + 1
-            ),
-            None => format!("the board cannot build the scene: {quantity:?}"),
-        },
+        UpdateRefusal::SceneNeeds(need) => {
+            let need = scene_need(*need);
+            format!("the board's image lacks what the scene needs: {need}")
+        }
+        UpdateRefusal::SceneValue { quantity, leg } => {
+            let leg = of_leg(*leg);
+            format!("the board cannot build the scene: {quantity}{leg}")
+        }
         UpdateRefusal::SceneStart => {
             "the machine of the scene cannot stand at the start of its job: change [job] start or the machine".into()
         }
