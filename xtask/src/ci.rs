@@ -116,7 +116,7 @@ fn stages() -> Result<Vec<Stage>> {
     Ok(stages)
 }
 
-fn lints() -> Result<[Step; 4]> {
+fn lints() -> Result<[Step; 5]> {
     let all = ["--quiet", "--all-targets", "--", "-Dwarnings"];
     Ok([
         Step::cargo("format", &["fmt", "--all", "--check"]),
@@ -127,6 +127,7 @@ fn lints() -> Result<[Step; 4]> {
             &["clippy", "--quiet", "--bin", "trirrr", "--", "-Dwarnings"],
         ),
         Step::chore("the shape of the source", &["house", "--check"])?,
+        Step::chore("the reference of the wire", &["wire", "--check"])?,
     ])
 }
 

@@ -35,6 +35,7 @@ mod steps;
 mod symbols;
 mod table;
 mod weight;
+mod wire;
 
 use clap::{Parser, Subcommand};
 
@@ -85,6 +86,8 @@ enum Chore {
     Stack(callgraph::StackArgs),
     /// Count the services in the program; check what the main job compiles, holds, and hands over
     Weight(weight::WeightArgs),
+    /// Write the reference of docs/wire.md, and messages and texts of the Python client, from the protocol's types
+    Wire(wire::WireArgs),
     /// Everything that CI checks
     Ci,
     /// Checks that take longer than CI may: dependencies, long fuzzing, many random moves
@@ -112,6 +115,7 @@ fn main() -> anyhow::Result<()> {
         Chore::House(arguments) => house::run(&arguments),
         Chore::Stack(arguments) => callgraph::run(&arguments),
         Chore::Weight(arguments) => weight::run(&arguments),
+        Chore::Wire(arguments) => wire::run(&arguments),
         Chore::Ci => ci::run(),
         Chore::Nightly(arguments) => nightly::run(&arguments),
     }

@@ -328,7 +328,7 @@ class Boards(unittest.TestCase):
         with Device("thesis.toml") as address, Board.connect(address) as board:
             with self.assertRaisesRegex(BoardError, "connect with scene="):
                 board.output("air", True)
-            with self.assertRaisesRegex(Refused, "names 0 spare outputs"):
+            with self.assertRaisesRegex(Refused, "names no spare output"):
                 board.output(0, True)
             self.assertEqual(board.status().outputs_on, ())
 

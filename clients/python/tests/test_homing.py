@@ -8,8 +8,11 @@ from trirrr import words
 from trirrr.exchange import Exchange, Refused
 from trirrr.jobs import Job, Step
 from trirrr.messages import (
-    Acting, Bounded, Command, DriveFault, Fault, FaultCode, LeastDuration, Pose, Refusal, State, Violation,
+    Acting, Bounded, Command, DriveFault, DriveState, Fault, FaultCode, LeastDuration, NotEnabled, Quantity, Refusal, SceneNeed, State, UpdateRefusal,
+    Violation,
 )
+from trirrr.numbers import Pose
+from trirrr.postcard import BOOL, BYTE, F64, I32, N, U16, U32, U64, Enum, Optional, Struct, Tuple
 from trirrr.stream import JobFailed, Stream
 
 #: A machine in units of its own: 0.5 m, 0.25 s, 2 kg.
@@ -155,6 +158,36 @@ class Recovering(unittest.TestCase):
             recover(machine)
 
 
+def example(kind):
+    """A value of a type."""
+    if kind in (BOOL, BYTE, U16, U32, U64, I32, N, F64):
+        return 1
+    match kind:
+        case Optional():
+            return example(kind.inner)
+        case Tuple():
+            return tuple(example(part) for part in kind.parts)
+        case Struct():
+            return kind(**{name: example(each) for name, each in kind.fields.items()})
+        case Enum():
+            return every(kind)[0]
+    return 0.5
+
+
+def every(kind):
+    """A value of every variant."""
+    values = []
+    for name, content in kind.variants.items():
+        make = getattr(kind, name)
+        if content is None:
+            values.append(make())
+        elif name in kind.with_fields:
+            values.append(make(**vars(example(content))))
+        else:
+            values += [make(inner) for inner in (every(content) if isinstance(content, Enum) else [example(content)])]
+    return values
+
+
 class Words(unittest.TestCase):
     def test_every_code_has_words(self):
         codes = [
@@ -168,6 +201,41 @@ class Words(unittest.TestCase):
             self.assertTrue(text.endswith(" (tick 7)"), text)
             self.assertNotIn("{", text)
             self.assertNotIn("None", text)
+
+    def test_every_refusal_has_words(self):
+        told = [words.refusal(value) for value in every(Refusal)]
+        self.assertEqual(len(set(told)), len(told))
+        for text in told + [words.not_enabled(value) for value in every(NotEnabled)]:
+            self.assertNotIn("{", text)
+            self.assertNotIn("None", text)
+            self.assertNotRegex(text, r"\w\(")
+
+    def test_a_refusal_counts_from_one_and_names_what_it_is_about(self):
+        for found, text in [
+            (Refusal.LimitSwitch(motor=1), "motor 2 stands on its limit switch: only"),
+            (Refusal.Parameter(quantity=Quantity.DistalLength(), leg=2), "length of the distal link of leg 3 cannot"),
+            (Refusal.Parameter(quantity=Quantity.Gravity(), leg=None), "gravity cannot be built"),
+            (Refusal.State(State.Unhomed()), "not while the machine is not homed"),
+            (Refusal.NoOutput(outputs=2), "names 2 spare outputs, of the numbers 0 to 1"),
+            (Refusal.NoOutput(outputs=0), "names no spare output"),
+            (Refusal.Update(UpdateRefusal.SceneNeeds(SceneNeed.Brake())), "its brake (brake in [power], there or not)"),
+        ]:
+            self.assertIn(text, words.refusal(found))
+        late = Command.Recover(SimpleNamespace(ticks=0))
+        self.assertIn("its duration is 0 ticks; 1 to 9", words.refusal(Refusal.Duration(longest=9), late))
+
+    def test_drives_that_do_not_go_on_say_why(self):
+        for error, text in [(0, "drive 3 is silent: look at"), (7, "drive 3 is silent and reports its code 7: clear it")]:
+            found = NotEnabled.Drive(motor=2, state=DriveState.Silent(), error=error)
+            self.assertIn(text, words.not_enabled(found))
+            self.assertEqual(words.wants_acknowledgement(found), error != 0)
+        restarted = NotEnabled.Restarted(angles=(None, 0.5, -1.0))
+        text = "drive 2, drive 3; joint 2 is taken to be at 0.5 rad, joint 3 is taken to be at -1 rad, or whole turns"
+        self.assertIn(text, words.not_enabled(restarted))
+        self.assertTrue(words.wants_acknowledgement(restarted))
+        near = NotEnabled.Singular(what=Bounded.SerialDistance(), leg=0, value=0.01, limit=0.02)
+        text = "the distance from the serial singularity of leg 1 is 0.01, the least allowed is 0.02"
+        self.assertIn(text, words.not_enabled(near))
 
     def test_limits_are_in_si_units(self):
         for what, index, text in [

@@ -15,7 +15,8 @@ from trirrr import Board, BoardError, ImageError, SceneError, UpdateFailed, word
 from trirrr.exchange import Refused
 from trirrr.frames import Decoder
 from trirrr.frames import encode as frame
-from trirrr.messages import NUMBERS, Message, Refusal, Reply, Request, SceneHeader, SceneRoom, State
+from trirrr.numbers import NUMBERS
+from trirrr.messages import Message, Refusal, Reply, Request, SceneHeader, SceneRoom, State
 from trirrr.messages import UpdateOutcome, UpdateRefusal, UpdateStatus
 from trirrr.postcard import Reader, Value, dumps, loads
 from trirrr.update import Program

@@ -7,10 +7,12 @@ from pathlib import Path
 
 from trirrr import cobs, frames, messages, postcard
 from trirrr.messages import (
-    Acting, Board, Bounded, Clock, Command, Event, Firmware, Hello, Identity, Message, Move, MoveBatch,
-    MoveStep, NUMBERS, JobLabel, Pose, QuinticMove, AngleReference, Refusal, Reply,
-    LeastDuration, LevelPiece, LevelRange, ListedMove, Request, Setpoint, Start, State, Telemetry, ToolSetting, Verdict, Violation,
+    SCHEMA, Acting, Board, Bounded, Clock, Command, Event, Firmware, Hello, Identity, Message, Move, MoveBatch,
+    MoveStep, JobLabel, QuinticMove, AngleReference, Refusal, Reply,
+    LeastDuration, LevelPiece, LevelRange, ListedMove, Request, Start, State, Telemetry, ToolSetting, Verdict, Violation,
 )
+from trirrr.numbers import NUMBERS, SETPOINT, Pose, Setpoint
+from trirrr.postcard import Enum, Newtype, Optional, Struct, Tuple
 
 DOCUMENT = Path(__file__).parents[3] / "docs" / "wire.md"
 F32, F64 = NUMBERS["f32"], NUMBERS["f64"]
@@ -22,7 +24,7 @@ def single(value: float) -> float:
 
 
 def hello(numbers) -> object:
-    content = Hello(protocol=4, schema=messages.schema_key(numbers), scene=0)
+    content = Hello(protocol=4, schema=SCHEMA[numbers.name], scene=0)
     return Request(7, Command.Hello(content))
 
 
@@ -64,7 +66,7 @@ def moves() -> object:
         ticks=200,
         tool=ToolSetting(power=0.75, speed=single(0.1)),
     )
-    check = zlib.crc32(postcard.dumps(messages.SETPOINT, before, F32))
+    check = zlib.crc32(postcard.dumps(SETPOINT, before, F32))
     batch = MoveBatch(number=3, check=check, steps=(cubic, quintic, None, None))
     return Request(303, Command.Moves(batch))
 
@@ -87,7 +89,7 @@ def listed() -> object:
         ticks=100,
         tool=ToolSetting(power=0.75, speed=single(0.1)),
     )
-    check = zlib.crc32(postcard.dumps(messages.SETPOINT, before, F32))
+    check = zlib.crc32(postcard.dumps(SETPOINT, before, F32))
     own = LevelRange(first=1000, count=4, offset=32_768, span=229_376)
     return Request(304, Command.Listed(ListedMove(number=3, check=check, step=step, levels=own)))
 
@@ -97,7 +99,7 @@ EXAMPLES = {
     "hello-f64": (F64, Request, hello(F64)),
     "identity": (F32, Message, Message.Reply(sequence=7, reply=Reply.Hello(Identity(
         protocol=4,
-        schema=messages.schema_key(F32),
+        schema=SCHEMA["f32"],
         scene=0x12345678,
         name=tuple(b"thesis".ljust(32, b"\0")),
         tick_rate_hz=1000.0,
@@ -162,6 +164,51 @@ EXAMPLES = {
 }
 
 
+#: Bytes of plain types in the schema key, by their names.
+PLAIN = {
+    "bool": 0x11, "u8": 0x3D, "u16": 0x83, "u32": 0xD3, "u64": 0x13, "i32": 0x0D, "i64": 0x0B, "f32": 0xEF, "f64": 0x71,
+}
+
+
+def shape(kind, numbers) -> bytes:
+    """The bytes that a type feeds into the schema key, by "The schema key" of the document."""
+    def fields(of: dict) -> bytes:
+        return b"".join(name.rstrip("_").encode() + shape(each, numbers) for name, each in of.items())
+
+    def content(name: str) -> bytes:
+        of = kind.variants[name]
+        if of is None:
+            return b"\xb5"
+        return b"\x67" + fields(of.fields) if name in kind.with_fields else b"\xdf" + shape(of, numbers)
+
+    if kind.name in PLAIN:
+        return bytes([PLAIN[kind.name]])
+    match kind:
+        case postcard.N:
+            return shape(numbers.number, numbers)
+        case postcard.ANGLE:
+            return shape(numbers.angle, numbers)
+        case Newtype():
+            return b"\x9d" + shape(kind.inner, numbers)
+        case Optional():
+            return b"\x6d" + shape(kind.inner, numbers)
+        case Tuple():
+            return b"\xa7" + b"".join(shape(part, numbers) for part in kind.parts)
+        case Struct():
+            return b"\x7f" + fields(kind.fields)
+        case Enum():
+            return b"\xe9" + b"".join(name.encode() + content(name) for name in kind.variants)
+    raise TypeError(kind)
+
+
+def key(numbers) -> int:
+    """FNV-1a, 64 bits."""
+    state = 0xCBF2_9CE4_8422_2325
+    for byte in b"trirrr" + shape(Tuple("", [Request, Message]), numbers):
+        state = (state ^ byte) * 0x100_0000_01B3 % (1 << 64)
+    return state
+
+
 def shown() -> dict[str, tuple[bytes, bytes]]:
     """Message and frame of each example in the document."""
     pattern = r"### `([\w-]+)`\n.*?```text\nmessage:(.*?)frame:(.*?)```"
@@ -187,7 +234,10 @@ class Examples(unittest.TestCase):
     def test_the_schema_keys_are_the_documents(self):
         rows = re.findall(r"^\| (\w+) \|.*\| 0x([0-9A-F]{16}) \|$", DOCUMENT.read_text(), re.M)
         keys = {name: int(key, 16) for name, key in rows}
-        self.assertEqual(keys, {name: messages.schema_key(each) for name, each in NUMBERS.items()})
+        self.assertEqual(keys, SCHEMA)
+
+    def test_the_schema_keys_are_made_as_the_document_says(self):
+        self.assertEqual(SCHEMA, {name: key(each) for name, each in NUMBERS.items()})
 
 
 class Damages(unittest.TestCase):
@@ -212,7 +262,7 @@ class Damages(unittest.TestCase):
                 self.assertEqual(self.errors(line), {name: 1})
 
     def test_what_is_no_message_is_counted(self):
-        listener = messages.Listener(F32)
+        listener = frames.Listener(F32)
         done = postcard.dumps(Message, Message.Reply(sequence=1, reply=Reply.Done()), F32)
         for payload in (b"\x09", done[:-1], done + b"\0", b"\0" + b"\xff" * 6):
             self.assertEqual(list(listener.feed(frames.encode(payload))), [])

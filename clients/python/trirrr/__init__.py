@@ -6,10 +6,12 @@
     table                    columns by name, to pandas and Arrow
     study                    parts of a design study over any executor
 
-The client of ``Board`` in parts, written from docs/wire.md:
+The client of ``Board`` in parts, as docs/wire.md has it:
 
     frames, cobs, postcard   bytes on the line and values in them
-    messages                 what is said, and the key of it
+    numbers                  number types of machines; poses and setpoints
+    messages, texts          messages, and texts for people: written by ``cargo xtask wire``
+    words                    faults, refusals and violations in texts and SI units
     exchange, stream         one request at a time; a whole job
     goals                    poses to go to, steps, velocities, poses to follow
     jobs                     moves from a scene file or a CSV table
@@ -22,8 +24,6 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
-PROTOCOL = 4
-
 if TYPE_CHECKING:
     from .board import AsyncBoard, Board, BoardStatus, Contact
     from .errors import BoardError, Interrupted, MotionError, PlanError, Problem, SceneError, TrirrrError
@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from .goals import NoMotion
     from .jobs import JobError
     from .machine import Machine, check
+    from .messages import PROTOCOL
     from .ports import PortError
     from .stream import JobFailed
     from .table import Table
@@ -50,6 +51,7 @@ _HOMES = {
     "Machine": "machine",
     "MotionError": "errors",
     "NoMotion": "goals",
+    "PROTOCOL": "messages",
     "PlanError": "errors",
     "PortError": "ports",
     "Problem": "errors",

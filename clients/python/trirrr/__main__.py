@@ -11,7 +11,8 @@ from pathlib import Path
 from . import figures, jobs, record
 from .errors import TrirrrError
 from .jobs import JobError
-from .messages import NUMBERS, Command, SectionName
+from .messages import Command, SectionName
+from .numbers import NUMBERS
 from .ports import open_port
 from .record import Recorder
 from .stream import Stream

@@ -24,7 +24,8 @@ from . import jobs, record, words
 from .errors import BoardError, Interrupted
 from .exchange import CALL, Exchange, Refused
 from .goals import LOOK_S, Mover, NoMotion, Triple
-from .messages import NUMBERS, Command, Move, Pose, SceneHeader, Section, SectionName
+from .messages import Command, Move, SceneHeader, Section, SectionName
+from .numbers import NUMBERS, Pose
 from .ports import Port, PortError, open_port
 from .postcard import Value, loads
 from .progress import Progress, hearing

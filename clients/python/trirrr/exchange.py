@@ -15,9 +15,11 @@ from contextlib import suppress
 from contextvars import ContextVar
 from typing import Any
 
-from . import PROTOCOL, words
+from . import frames, words
 from .errors import BoardError, Interrupted
-from .messages import NUMBERS, Command, Goal, Hello, Listener, Pose, Request, encode, schema_key
+from .frames import Listener
+from .messages import PROTOCOL, SCHEMA, Command, Goal, Hello, Request
+from .numbers import NUMBERS, Pose
 from .ports import Port, PortError
 from .postcard import Numbers, Value
 
@@ -40,7 +42,7 @@ class Refused(BoardError):
     """The machine does not do what it was asked to."""
 
     def __init__(self, command: Value, refusal: Value) -> None:
-        super().__init__(f"{command.name} is refused: {words.refusal(refusal)}")
+        super().__init__(f"{command.name} is refused: {words.refusal(refusal, command)}")
         self.command = command
         self.refusal = refusal
 
@@ -110,7 +112,7 @@ class Exchange:
         for numbers in [self._numbers] if self._numbers else list(NUMBERS.values()):
             self._listener = Listener(numbers)
             self._unanswered = None
-            command = Command.Hello(Hello(PROTOCOL, schema_key(numbers), scene))
+            command = Command.Hello(Hello(PROTOCOL, SCHEMA[numbers.name], scene))
             self._hello = (self._hello + 1) % (1 << 32)
             try:
                 reply = self._converse(Request(self._hello, command), numbers)
@@ -211,7 +213,7 @@ class Exchange:
                 self._take(min(left, _TURN_S), None)
 
     def _converse(self, request: Any, numbers: Numbers) -> Value:
-        frame = encode(request, numbers)
+        frame = frames.request(request, numbers)
         for attempt in range(self._attempts):
             self.repeated += attempt > 0
             self._port.send(frame)

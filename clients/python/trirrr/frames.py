@@ -1,12 +1,14 @@
-"""Frames: payload, CRC-32, COBS, a zero."""
+"""Frames: payload, CRC-32, COBS, a zero; and the messages in them."""
 
 from __future__ import annotations
 
 import zlib
 from collections import Counter
 from collections.abc import Iterator
+from typing import Any
 
-from . import cobs
+from . import cobs, postcard
+from .messages import Message, Request
 
 _CHECKSUM = 4
 
@@ -74,3 +76,30 @@ class Decoder:
 
 class _Dropped(Exception):
     pass
+
+
+def request(value: Any, numbers: postcard.Numbers) -> bytes:
+    """The frame of a request."""
+    return encode(postcard.dumps(Request, value, numbers))
+
+
+class Listener:
+    """Messages out of what a line delivers."""
+
+    def __init__(self, numbers: postcard.Numbers) -> None:
+        self.numbers = numbers
+        self.decoder = Decoder()
+
+    def feed(self, data: bytes) -> Iterator[Any]:
+        """The messages in ``data``; what is damaged is counted in ``decoder.errors``."""
+        for payload in self.decoder.feed(data):
+            reader = postcard.Reader(payload)
+            try:
+                message = Message.read(reader, self.numbers)
+            except postcard.DecodeError:
+                self.decoder.errors["Message"] += 1
+                continue
+            if reader.left:
+                self.decoder.errors["Trailing"] += 1
+                continue
+            yield message

@@ -12,7 +12,8 @@ from typing import Any
 from . import words
 from .errors import BoardError
 from .exchange import Exchange, Refused
-from .messages import Command, Goal, Pose
+from .messages import Command, Goal
+from .numbers import Pose
 
 #: x and y in m, alpha in rad; or their derivatives by time.
 Triple = tuple[float, float, float]

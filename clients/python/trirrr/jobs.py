@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from .errors import TrirrrError
-from .messages import Command, JobLabel, Move, OutputSwitch, Pose, QuinticMove
+from .messages import NAME_CAPACITY, Command, JobLabel, Move, OutputSwitch, QuinticMove
+from .numbers import Pose
 from .postcard import U32, Numbers, dumps
 
 #: A duration may be this far from a whole number of ticks, for it is written in decimals.
@@ -116,7 +117,7 @@ class Job:
             if on or off:
                 data = dumps(U32, check, numbers) + dumps(U32, index, numbers) + bytes((on, off))
                 check = zlib.crc32(data)
-        name = self.name.encode("ascii", "replace")[:32].ljust(32, b"\0")
+        name = self.name.encode("ascii", "replace")[:NAME_CAPACITY].ljust(NAME_CAPACITY, b"\0")
         return JobLabel(name=tuple(name), items=len(moves), check=check)
 
     def moves(self, identity: Any) -> list[Any]:

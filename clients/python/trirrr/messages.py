@@ -1,44 +1,37 @@
-"""The messages of docs/wire.md: fields and variants in their order.
+"""The messages of docs/wire.md: fields and variants in their order. Their meanings and units stand there.
 
-What they mean, and in which units, stands there.
+Written by ``cargo xtask wire`` from the types of crates/protocol.
 """
 
-from __future__ import annotations
+from .numbers import POSE, SETPOINT
+from .postcard import ANGLE, BOOL, BYTE, F64, I32, N, U16, U32, U64, Bits, Enum, Optional, Sample, Struct, array
 
-import math
-from collections.abc import Iterable
-from typing import Any, NamedTuple
+#: Version of the protocol.
+PROTOCOL = 4
 
-from . import frames, postcard
-from .postcard import ANGLE, BOOL, BYTE, F32, F64, I32, I64, N, U16, U32, U64
-from .postcard import Enum, Newtype, Numbers, Optional, Scaled, Struct, Tuple, array
+#: Most moves of a batch.
+BATCH = 4
 
+#: Most bytes of a block of an image.
+BLOCK = 128
 
-class Pose(NamedTuple):
-    """Where the platform is."""
+#: Most levels of a piece.
+LEVELS = 128
 
-    x: float
-    y: float
-    alpha: float
+#: Bytes of a name.
+NAME_CAPACITY = 32
 
+#: Schema keys of the messages, by the number type of the machine.
+SCHEMA = {
+    "f64": 0xC68063E2A3D8402D,
+    "f32": 0x4CE6FE1E5C6E1841,
+    "micromath": 0xCCA8AB768A38384D,
+    "fixed": 0x41A4868F7F7B2DDB,
+}
 
-class Setpoint(NamedTuple):
-    """Pose, velocity (vx, vy, alphadot) and acceleration."""
+Hello = Struct("Hello", protocol=U16, schema=U64, scene=U32)
 
-    pose: Pose
-    velocity: tuple[float, float, float]
-    acceleration: tuple[float, float, float]
-
-
-POSE = Tuple("Pose", [N, N, ANGLE], Pose._make)
-SETPOINT = Tuple("Setpoint", [POSE, array(N, 3), array(N, 3)], Setpoint._make)
-
-SectionName = Enum(
-    "SectionName",
-    Leg=BYTE,
-    Platform=None,
-    Limits=None,
-)
+SectionName = Enum("SectionName", Leg=BYTE, Platform=None, Limits=None)
 
 Leg = Struct(
     "Leg",
@@ -76,26 +69,119 @@ Limits = Struct(
     parallel_distance_min=F64,
 )
 
-Section = Enum(
-    "Section",
-    Leg={"index": BYTE, "leg": Leg},
-    Platform=Platform,
-    Limits=Limits,
+Section = Enum("Section", Leg={"index": BYTE, "leg": Leg}, Platform=Platform, Limits=Limits)
+
+Move = Struct(
+    "Move",
+    number=U32,
+    from_=POSE,
+    to=POSE,
+    start_velocity=array(N, 3),
+    end_velocity=array(N, 3),
+    ticks=U32,
+    tool_power=N,
+    tool_speed=N,
 )
 
-Bounded = Enum(
-    "Bounded",
-    Reach=None,
-    SerialDistance=None,
-    ParallelDistance=None,
-    Rate=None,
-    Acceleration=None,
-    Torque=None,
-    Power=None,
-    Range=None,
-    Jerk=None,
-    AccelerationJump=None,
+Recovery = Struct("Recovery", to=POSE, ticks=U32)
+
+TelemetryFields = Bits(
+    "TelemetryFields",
+    U16,
+    ("setpoint", "angles", "rates", "accelerations", "torques", "tool", "duration"),
 )
+
+#: All of them.
+ALL_FIELDS = 127
+
+QuinticMove = Struct("QuinticMove", common=Move, start_acceleration=array(N, 3), end_acceleration=array(N, 3))
+
+Goal = Struct("Goal", to=POSE, velocity=array(N, 3), cut=BOOL, least_ticks=U32)
+
+PathCurve = Enum(
+    "PathCurve",
+    Line={"to": POSE},
+    Arc={"centre": array(N, 2), "turn": N, "to_angle": ANGLE},
+    Bezier={"controls": array(POSE, 2), "to": POSE},
+)
+
+PathPiece = Struct("PathPiece", number=U32, curve=PathCurve, feed=N, tool_power=N, tool_speed=N, last=BOOL)
+
+ToolSetting = Struct("ToolSetting", power=N, speed=N)
+
+MoveStep = Struct(
+    "MoveStep",
+    to=POSE,
+    velocity=array(N, 3),
+    acceleration=Optional(array(N, 3)),
+    ticks=U32,
+    tool=Optional(ToolSetting),
+)
+
+MoveBatch = Struct("MoveBatch", number=U32, check=U32, steps=array(Optional(MoveStep), 4))
+
+JobLabel = Struct("JobLabel", name=array(BYTE, 32), items=U32, check=U32)
+
+LevelPiece = Struct("LevelPiece", first=U32, count=BYTE, levels=array(array(BYTE, 32), 4))
+
+LevelRange = Struct("LevelRange", first=U32, count=U16, offset=U16, span=U32)
+
+ListedMove = Struct("ListedMove", number=U32, check=U32, step=MoveStep, levels=LevelRange)
+
+Firmware = Struct(
+    "Firmware",
+    version=array(BYTE, 16),
+    commit=array(BYTE, 16),
+    board=array(BYTE, 32),
+    chip=array(BYTE, 16),
+)
+
+ImageHeader = Struct("ImageHeader", start=U32, length=U32, checksum=U32, firmware=Firmware)
+
+ImageBlock = Struct("ImageBlock", offset=U32, count=BYTE, bytes=array(array(BYTE, 32), 4))
+
+SceneTypes = Struct("SceneTypes", room=U16, levels=U16, keys=array(U32, 10))
+
+SceneHeader = Struct("SceneHeader", length=U32, checksum=U32, layout=U64, types=SceneTypes)
+
+UpdateStep = Enum("UpdateStep", Begin=ImageHeader, Block=ImageBlock, Finish=None, Restart=None, BeginScene=SceneHeader)
+
+OutputSwitch = Struct("OutputSwitch", number=U32, on=BYTE, off=BYTE)
+
+Command = Enum(
+    "Command",
+    Hello=Hello,
+    Status=None,
+    Read=SectionName,
+    Replace=Section,
+    Move=Move,
+    Start=None,
+    Hold=None,
+    Resume=None,
+    Stop=None,
+    ClearFault=None,
+    Recover=Recovery,
+    Telemetry={"every": U16, "fields": TelemetryFields},
+    Home=None,
+    Quintic=QuinticMove,
+    FeedOverride={"percent": BYTE},
+    Retarget=Goal,
+    Path=PathPiece,
+    Enable=None,
+    Disable=None,
+    Drives={"every": U16},
+    Moves=MoveBatch,
+    Job=JobLabel,
+    Levels=LevelPiece,
+    Listed=ListedMove,
+    Probe={"away": BOOL},
+    UpdateStatus=None,
+    Update=UpdateStep,
+    Output={"index": BYTE, "on": BOOL},
+    OutputsAt=OutputSwitch,
+)
+
+Request = Struct("Request", sequence=U32, command=Command)
 
 State = Enum(
     "State",
@@ -113,61 +199,6 @@ State = Enum(
     Enabling=None,
     Disabling=None,
     Reacting=None,
-)
-
-Acting = Enum(
-    "Acting",
-    Nothing=None,
-    Hold=None,
-    Resume=None,
-    Stop=None,
-    Silence=None,
-    QueueDry=None,
-    Limit=Bounded,
-    Door=None,
-    Probe=None,
-)
-
-DriveFault = Enum(
-    "DriveFault",
-    StepRate=None,
-    Range=None,
-    BusBusy=None,
-    BusOff=None,
-    Reported=None,
-    Silent=None,
-    NotOn=None,
-    Stalled=None,
-    Restarted=None,
-)
-
-FaultCode = Enum(
-    "FaultCode",
-    Limit=Bounded,
-    Unreachable=None,
-    SerialSingular=None,
-    ParallelSingular=None,
-    OutOfRange=None,
-    Overrun=None,
-    Drive=DriveFault,
-    Board=None,
-    HomingNotFound=None,
-    HomingNotReleased=None,
-    HomingClosedAtStart=None,
-    FollowingError=None,
-    Contact=None,
-    ContactMoment=None,
-    EmergencyStop=None,
-    LimitSwitch=None,
-)
-
-Fault = Struct(
-    "Fault",
-    code=FaultCode,
-    index=Optional(BYTE),
-    value=N,
-    limit=N,
-    tick=U32,
 )
 
 Quantity = Enum(
@@ -204,11 +235,21 @@ Quantity = Enum(
     EncoderOffset=None,
 )
 
-LeastDuration = Struct(
-    "LeastDuration",
-    enough=U32,
-    too_short=U32,
+Bounded = Enum(
+    "Bounded",
+    Reach=None,
+    SerialDistance=None,
+    ParallelDistance=None,
+    Rate=None,
+    Acceleration=None,
+    Torque=None,
+    Power=None,
+    Range=None,
+    Jerk=None,
+    AccelerationJump=None,
 )
+
+LeastDuration = Struct("LeastDuration", enough=U32, too_short=U32)
 
 Violation = Struct(
     "Violation",
@@ -318,280 +359,11 @@ Refusal = Enum(
     OutputsFull=None,
 )
 
-Hello = Struct(
-    "Hello",
-    protocol=U16,
-    schema=U64,
-    scene=U32,
-)
+AngleReference = Enum("AngleReference", Declared=None, Blind=None, Homed=None, Measured=None)
 
-Move = Struct(
-    "Move",
-    number=U32,
-    from_=POSE,
-    to=POSE,
-    start_velocity=array(N, 3),
-    end_velocity=array(N, 3),
-    ticks=U32,
-    tool_power=N,
-    tool_speed=N,
-)
+Clock = Enum("Clock", Host=None, Crystal=None, Internal=None, Slow=None, Emulated=None, WrongCrystal=None)
 
-QuinticMove = Struct(
-    "QuinticMove",
-    common=Move,
-    start_acceleration=array(N, 3),
-    end_acceleration=array(N, 3),
-)
-
-ToolSetting = Struct(
-    "ToolSetting",
-    power=N,
-    speed=N,
-)
-
-MoveStep = Struct(
-    "MoveStep",
-    to=POSE,
-    velocity=array(N, 3),
-    acceleration=Optional(array(N, 3)),
-    ticks=U32,
-    tool=Optional(ToolSetting),
-)
-
-#: Most moves of a batch.
-BATCH = 4
-
-MoveBatch = Struct(
-    "MoveBatch",
-    number=U32,
-    check=U32,
-    steps=array(Optional(MoveStep), BATCH),
-)
-
-LevelPiece = Struct(
-    "LevelPiece",
-    first=U32,
-    count=BYTE,
-    levels=array(array(BYTE, 32), 4),
-)
-
-LevelRange = Struct(
-    "LevelRange",
-    first=U32,
-    count=U16,
-    offset=U16,
-    span=U32,
-)
-
-ListedMove = Struct(
-    "ListedMove",
-    number=U32,
-    check=U32,
-    step=MoveStep,
-    levels=LevelRange,
-)
-
-Recovery = Struct(
-    "Recovery",
-    to=POSE,
-    ticks=U32,
-)
-
-Goal = Struct(
-    "Goal",
-    to=POSE,
-    velocity=array(N, 3),
-    cut=BOOL,
-    least_ticks=U32,
-)
-
-PathCurve = Enum(
-    "PathCurve",
-    Line={"to": POSE},
-    Arc={"centre": array(N, 2), "turn": N, "to_angle": ANGLE},
-    Bezier={"controls": array(POSE, 2), "to": POSE},
-)
-
-PathPiece = Struct(
-    "PathPiece",
-    number=U32,
-    curve=PathCurve,
-    feed=N,
-    tool_power=N,
-    tool_speed=N,
-    last=BOOL,
-)
-
-JobLabel = Struct(
-    "JobLabel",
-    name=array(BYTE, 32),
-    items=U32,
-    check=U32,
-)
-
-
-class Fields(Newtype):
-    """Fields that a telemetry sample has: the bits of their numbers."""
-
-    def of(self, *names: str) -> int:
-        """The fields of these names."""
-        return sum(1 << TELEMETRY_FIELDS.index(name) for name in names)
-
-
-#: What a telemetry sample has if it is asked for, in the order of the bits.
-TELEMETRY_FIELDS = ("setpoint", "angles", "rates", "accelerations", "torques", "tool", "duration")
-
-TelemetryFields = Fields("TelemetryFields", U16)
-
-#: All of them.
-ALL_FIELDS = TelemetryFields.of(*TELEMETRY_FIELDS)
-
-Firmware = Struct(
-    "Firmware",
-    version=array(BYTE, 16),
-    commit=array(BYTE, 16),
-    board=array(BYTE, 32),
-    chip=array(BYTE, 16),
-)
-
-ImageHeader = Struct(
-    "ImageHeader",
-    start=U32,
-    length=U32,
-    checksum=U32,
-    firmware=Firmware,
-)
-
-ImageBlock = Struct(
-    "ImageBlock",
-    offset=U32,
-    count=BYTE,
-    bytes=array(array(BYTE, 32), 4),
-)
-
-SceneTypes = Struct(
-    "SceneTypes",
-    room=U16,
-    levels=U16,
-    keys=array(U32, 10),
-)
-
-SceneHeader = Struct(
-    "SceneHeader",
-    length=U32,
-    checksum=U32,
-    layout=U64,
-    types=SceneTypes,
-)
-
-SceneRoom = Struct(
-    "SceneRoom",
-    room=U32,
-    layout=U64,
-    types=SceneTypes,
-)
-
-UpdateStep = Enum(
-    "UpdateStep",
-    Begin=ImageHeader,
-    Block=ImageBlock,
-    Finish=None,
-    Restart=None,
-    BeginScene=SceneHeader,
-)
-
-UpdateOutcome = Enum(
-    "UpdateOutcome",
-    Never=None,
-    Requested=None,
-    OnTrial=None,
-    Confirmed=None,
-    Reverted=None,
-)
-
-UpdateStatus = Struct(
-    "UpdateStatus",
-    start=U32,
-    room=U32,
-    coming=Optional(U32),
-    received=U32,
-    outcome=UpdateOutcome,
-    scene=Optional(SceneRoom),
-)
-
-OutputSwitch = Struct(
-    "OutputSwitch",
-    number=U32,
-    on=BYTE,
-    off=BYTE,
-)
-
-Command = Enum(
-    "Command",
-    Hello=Hello,
-    Status=None,
-    Read=SectionName,
-    Replace=Section,
-    Move=Move,
-    Start=None,
-    Hold=None,
-    Resume=None,
-    Stop=None,
-    ClearFault=None,
-    Recover=Recovery,
-    Telemetry={"every": U16, "fields": TelemetryFields},
-    Home=None,
-    Quintic=QuinticMove,
-    FeedOverride={"percent": BYTE},
-    Retarget=Goal,
-    Path=PathPiece,
-    Enable=None,
-    Disable=None,
-    Drives={"every": U16},
-    Moves=MoveBatch,
-    Job=JobLabel,
-    Levels=LevelPiece,
-    Listed=ListedMove,
-    Probe={"away": BOOL},
-    UpdateStatus=None,
-    Update=UpdateStep,
-    Output={"index": BYTE, "on": BOOL},
-    OutputsAt=OutputSwitch,
-)
-
-Request = Struct(
-    "Request",
-    sequence=U32,
-    command=Command,
-)
-
-Registers = Struct(
-    "Registers",
-    pc=U32,
-    lr=U32,
-    sp=U32,
-    status=U32,
-    address=U32,
-)
-
-AngleReference = Enum(
-    "AngleReference",
-    Declared=None,
-    Blind=None,
-    Homed=None,
-    Measured=None,
-)
-
-Clock = Enum(
-    "Clock",
-    Host=None,
-    Crystal=None,
-    Internal=None,
-    Slow=None,
-    Emulated=None,
-    WrongCrystal=None,
-)
+Registers = Struct("Registers", pc=U32, lr=U32, sp=U32, status=U32, address=U32)
 
 Start = Enum(
     "Start",
@@ -605,12 +377,7 @@ Start = Enum(
     LowSupply=None,
 )
 
-Board = Struct(
-    "Board",
-    timer_hz=U32,
-    clock=Clock,
-    start=Start,
-)
+Board = Struct("Board", timer_hz=U32, clock=Clock, start=Start)
 
 Identity = Struct(
     "Identity",
@@ -634,61 +401,63 @@ Identity = Struct(
     firmware=Firmware,
 )
 
-Verdict = Struct(
-    "Verdict",
-    number=U32,
-    violation=Optional(Violation),
+Acting = Enum(
+    "Acting",
+    Nothing=None,
+    Hold=None,
+    Resume=None,
+    Stop=None,
+    Silence=None,
+    QueueDry=None,
+    Limit=Bounded,
+    Door=None,
+    Probe=None,
 )
 
-Cut = Struct(
-    "Cut",
-    number=U32,
-    at=U32,
-    next=U32,
-)
-
-Interruption = Struct(
-    "Interruption",
-    number=U32,
-    at=U32,
-)
-
-JobAccount = Struct(
-    "JobAccount",
-    label=JobLabel,
-    first_move=U32,
-    first_piece=U32,
-)
-
-DriveState = Enum(
-    "DriveState",
+DriveFault = Enum(
+    "DriveFault",
+    StepRate=None,
+    Range=None,
+    BusBusy=None,
+    BusOff=None,
+    Reported=None,
     Silent=None,
-    Off=None,
-    Preparing=None,
-    On=None,
-    Uncalibrated=None,
-    Fault=None,
+    NotOn=None,
+    Stalled=None,
+    Restarted=None,
 )
 
-DriveReading = Struct(
-    "DriveReading",
-    state=DriveState,
-    error=U32,
-    angle=ANGLE,
-    rate=N,
-    torque=N,
-    temperature_c=I32,
-    supply_mv=U32,
-    age=U16,
-    state_age=U16,
-    restarts=BYTE,
+FaultCode = Enum(
+    "FaultCode",
+    Limit=Bounded,
+    Unreachable=None,
+    SerialSingular=None,
+    ParallelSingular=None,
+    OutOfRange=None,
+    Overrun=None,
+    Drive=DriveFault,
+    Board=None,
+    HomingNotFound=None,
+    HomingNotReleased=None,
+    HomingClosedAtStart=None,
+    FollowingError=None,
+    Contact=None,
+    ContactMoment=None,
+    EmergencyStop=None,
+    LimitSwitch=None,
 )
 
-DriveSample = Struct(
-    "DriveSample",
-    tick=U32,
-    drives=array(DriveReading, 3),
-)
+Fault = Struct("Fault", code=FaultCode, index=Optional(BYTE), value=N, limit=N, tick=U32)
+
+Verdict = Struct("Verdict", number=U32, violation=Optional(Violation))
+
+Cut = Struct("Cut", number=U32, at=U32, next=U32)
+
+Interruption = Struct("Interruption", number=U32, at=U32)
+
+JobAccount = Struct("JobAccount", label=JobLabel, first_move=U32, first_piece=U32)
+
+DriveState = Enum("DriveState", Silent=None, Off=None, Preparing=None, On=None, Uncalibrated=None, Fault=None)
 
 NotEnabled = Enum(
     "NotEnabled",
@@ -700,12 +469,7 @@ NotEnabled = Enum(
     Restarted={"angles": array(Optional(ANGLE), 3)},
 )
 
-InputState = Enum(
-    "InputState",
-    Absent=None,
-    Clear=None,
-    Active=None,
-)
+InputState = Enum("InputState", Absent=None, Clear=None, Active=None)
 
 InputStates = Struct(
     "InputStates",
@@ -715,26 +479,11 @@ InputStates = Struct(
     limits=array(InputState, 3),
 )
 
-ProbeContact = Struct(
-    "ProbeContact",
-    tick=U32,
-    pose=POSE,
-    measured=Optional(POSE),
-)
+ProbeContact = Struct("ProbeContact", tick=U32, pose=POSE, measured=Optional(POSE))
 
-ProbeRun = Enum(
-    "ProbeRun",
-    Armed=None,
-    Touched=ProbeContact,
-    NotTouched=None,
-)
+ProbeRun = Enum("ProbeRun", Armed=None, Touched=ProbeContact, NotTouched=None)
 
-DigitalStates = Struct(
-    "DigitalStates",
-    inputs=BYTE,
-    outputs=BYTE,
-    tick=U32,
-)
+DigitalStates = Struct("DigitalStates", inputs=BYTE, outputs=BYTE, tick=U32)
 
 Status = Struct(
     "Status",
@@ -765,6 +514,31 @@ Status = Struct(
     digital=Optional(DigitalStates),
 )
 
+UpdateOutcome = Enum("UpdateOutcome", Never=None, Requested=None, OnTrial=None, Confirmed=None, Reverted=None)
+
+SceneRoom = Struct("SceneRoom", room=U32, layout=U64, types=SceneTypes)
+
+UpdateStatus = Struct(
+    "UpdateStatus",
+    start=U32,
+    room=U32,
+    coming=Optional(U32),
+    received=U32,
+    outcome=UpdateOutcome,
+    scene=Optional(SceneRoom),
+)
+
+Reply = Enum(
+    "Reply",
+    Done=None,
+    Refused=Refusal,
+    Hello=Identity,
+    Section=Section,
+    Status=Status,
+    Kept={"missing": U32},
+    Update=UpdateStatus,
+)
+
 Event = Enum(
     "Event",
     Verdict=Verdict,
@@ -775,30 +549,9 @@ Event = Enum(
     Digital=DigitalStates,
 )
 
-
-class Sample(Struct):
-    """A struct that has only those of its last fields whose bits are set in ``fields``; the others are ``None``."""
-
-    def _there(self, fields: int) -> set[str]:
-        chosen = {name for bit, name in enumerate(TELEMETRY_FIELDS) if fields >> bit & 1}
-        return set(self.fields) - set(TELEMETRY_FIELDS) | chosen
-
-    def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
-        there = self._there(value.fields)
-        for name, kind in self.fields.items():
-            if name in there:
-                kind.write(out, getattr(value, name), numbers)
-
-    def read(self, reader: postcard.Reader, numbers: Numbers) -> Any:
-        values: dict[str, Any] = dict.fromkeys(self.fields)
-        for name, kind in self.fields.items():
-            if name not in TELEMETRY_FIELDS or name in self._there(values["fields"]):
-                values[name] = kind.read(reader, numbers)
-        return self.record(**values)
-
-
 Telemetry = Sample(
     "Telemetry",
+    TelemetryFields,
     tick=U32,
     state=State,
     acting=Acting,
@@ -816,16 +569,21 @@ Telemetry = Sample(
     duration=U32,
 )
 
-Reply = Enum(
-    "Reply",
-    Done=None,
-    Refused=Refusal,
-    Hello=Identity,
-    Section=Section,
-    Status=Status,
-    Kept={"missing": U32},
-    Update=UpdateStatus,
+DriveReading = Struct(
+    "DriveReading",
+    state=DriveState,
+    error=U32,
+    angle=ANGLE,
+    rate=N,
+    torque=N,
+    temperature_c=I32,
+    supply_mv=U32,
+    age=U16,
+    state_age=U16,
+    restarts=BYTE,
 )
+
+DriveSample = Struct("DriveSample", tick=U32, drives=array(DriveReading, 3))
 
 Message = Enum(
     "Message",
@@ -834,47 +592,3 @@ Message = Enum(
     Telemetry=Telemetry,
     Drives=DriveSample,
 )
-
-#: Every kind of machine, by the name of its number type in scenes.
-NUMBERS = {
-    "f64": Numbers("f64", F64, F64),
-    "f32": Numbers("f32", F32, F32),
-    "micromath": Numbers("micromath", Scaled("Coarse", F32), Scaled("Coarse", F32)),
-    "fixed": Numbers(
-        "fixed",
-        Scaled("Fixed", I32, 2.0**-29),
-        Scaled("Turns", I64, math.tau / 2**32),
-    ),
-}
-
-
-def schema_key(numbers: Numbers) -> int:
-    """The key that a machine with ``numbers`` and a client have to agree on."""
-    return postcard.key(Tuple("", [Request, Message]), numbers)
-
-
-def encode(request: Any, numbers: Numbers) -> bytes:
-    """The frame of a request."""
-    return frames.encode(postcard.dumps(Request, request, numbers))
-
-
-class Listener:
-    """Messages out of what a line delivers."""
-
-    def __init__(self, numbers: Numbers) -> None:
-        self.numbers = numbers
-        self.decoder = frames.Decoder()
-
-    def feed(self, data: bytes) -> Iterable[Any]:
-        """The messages in ``data``; what is damaged is counted in ``decoder.errors``."""
-        for payload in self.decoder.feed(data):
-            reader = postcard.Reader(payload)
-            try:
-                message = Message.read(reader, self.numbers)
-            except postcard.DecodeError:
-                self.decoder.errors["Message"] += 1
-                continue
-            if reader.left:
-                self.decoder.errors["Trailing"] += 1
-                continue
-            yield message

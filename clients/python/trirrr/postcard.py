@@ -52,10 +52,6 @@ class Type:
         """A value from the front of ``reader``."""
         raise NotImplementedError
 
-    def shape(self, numbers: Numbers) -> Iterable[bytes]:
-        """What the schema key is made of; see "The schema key" in docs/wire.md."""
-        raise NotImplementedError
-
 
 @dataclass(frozen=True)
 class Numbers:
@@ -80,9 +76,6 @@ class Bool(Type):
             raise DecodeError(f"{byte} is no bool")
         return byte == 1
 
-    def shape(self, numbers: Numbers) -> Iterable[bytes]:
-        yield b"\x11"
-
 
 class U8(Type):
     """A byte."""
@@ -97,18 +90,14 @@ class U8(Type):
     def read(self, reader: Reader, numbers: Numbers) -> Any:
         return reader.take(1)[0]
 
-    def shape(self, numbers: Numbers) -> Iterable[bytes]:
-        yield b"\x3d"
-
 
 class Varint(Type):
     """A whole number of 16, 32 or 64 bits, seven of them in a byte; zigzag if it has a sign."""
 
-    def __init__(self, name: str, bits: int, signed: bool, tag: bytes) -> None:
+    def __init__(self, name: str, bits: int, signed: bool) -> None:
         self.name = name
         self.bits = bits
         self.signed = signed
-        self._tag = tag
 
     def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
         low, high = (-(1 << self.bits - 1), 1 << self.bits - 1) if self.signed else (0, 1 << self.bits)
@@ -134,17 +123,13 @@ class Varint(Type):
             raise DecodeError(f"{value} is no {self.name}")
         return (value >> 1) ^ -(value & 1) if self.signed else value
 
-    def shape(self, numbers: Numbers) -> Iterable[bytes]:
-        yield self._tag
-
 
 class Float(Type):
     """An IEEE 754 number, least significant byte first."""
 
-    def __init__(self, name: str, code: str, tag: bytes) -> None:
+    def __init__(self, name: str, code: str) -> None:
         self.name = name
         self._struct = struct.Struct(code)
-        self._tag = tag
 
     def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
         out += self._struct.pack(value)
@@ -152,26 +137,35 @@ class Float(Type):
     def read(self, reader: Reader, numbers: Numbers) -> Any:
         return self._struct.unpack(reader.take(self._struct.size))[0]
 
-    def shape(self, numbers: Numbers) -> Iterable[bytes]:
-        yield self._tag
-
 
 class Newtype(Type):
     """A value of another type that has a name of its own."""
 
     def __init__(self, name: str, inner: Type) -> None:
         self.name = name
-        self._inner = inner
+        self.inner = inner
 
     def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
-        self._inner.write(out, value, numbers)
+        self.inner.write(out, value, numbers)
 
     def read(self, reader: Reader, numbers: Numbers) -> Any:
-        return self._inner.read(reader, numbers)
+        return self.inner.read(reader, numbers)
 
-    def shape(self, numbers: Numbers) -> Iterable[bytes]:
-        yield b"\x9d"
-        yield from self._inner.shape(numbers)
+
+class Bits(Newtype):
+    """A set of names, a bit for each."""
+
+    def __init__(self, name: str, inner: Type, names: tuple[str, ...]) -> None:
+        super().__init__(name, inner)
+        self.names = names
+
+    def of(self, *names: str) -> int:
+        """The bits of ``names``."""
+        return sum(1 << self.names.index(name) for name in names)
+
+    def left_out(self, bits: int) -> set[str]:
+        """Names whose bits are not among ``bits``."""
+        return {name for bit, name in enumerate(self.names) if not bits >> bit & 1}
 
 
 class Scaled(Newtype):
@@ -182,7 +176,7 @@ class Scaled(Newtype):
         self._unit = unit
 
     def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
-        if isinstance(self._inner, Varint):
+        if isinstance(self.inner, Varint):
             value = round(value / self._unit)
         super().write(out, value, numbers)
 
@@ -203,19 +197,16 @@ class _OfMachine(Type):
     def read(self, reader: Reader, numbers: Numbers) -> Any:
         return self._pick(numbers).read(reader, numbers)
 
-    def shape(self, numbers: Numbers) -> Iterable[bytes]:
-        return self._pick(numbers).shape(numbers)
-
 
 BOOL = Bool()
 BYTE = U8()
-U16 = Varint("u16", 16, False, b"\x83")
-U32 = Varint("u32", 32, False, b"\xd3")
-U64 = Varint("u64", 64, False, b"\x13")
-I32 = Varint("i32", 32, True, b"\x0d")
-I64 = Varint("i64", 64, True, b"\x0b")
-F32 = Float("f32", "<f", b"\xef")
-F64 = Float("f64", "<d", b"\x71")
+U16 = Varint("u16", 16, False)
+U32 = Varint("u32", 32, False)
+U64 = Varint("u64", 64, False)
+I32 = Varint("i32", 32, True)
+I64 = Varint("i64", 64, True)
+F32 = Float("f32", "<f")
+F64 = Float("f64", "<d")
 N = _OfMachine("N", lambda numbers: numbers.number)
 ANGLE = _OfMachine("Angle", lambda numbers: numbers.angle)
 
@@ -238,10 +229,6 @@ class Optional(Type):
             raise DecodeError(f"{byte} is neither none nor some")
         return self.inner.read(reader, numbers) if byte else None
 
-    def shape(self, numbers: Numbers) -> Iterable[bytes]:
-        yield b"\x6d"
-        yield from self.inner.shape(numbers)
-
 
 class Tuple(Type):
     """Values one after the other. Those of a named tuple type come back as such."""
@@ -259,11 +246,6 @@ class Tuple(Type):
 
     def read(self, reader: Reader, numbers: Numbers) -> Any:
         return self._make(part.read(reader, numbers) for part in self.parts)
-
-    def shape(self, numbers: Numbers) -> Iterable[bytes]:
-        yield b"\xa7"
-        for part in self.parts:
-            yield from part.shape(numbers)
 
 
 def array(inner: Type, count: int) -> Tuple:
@@ -292,15 +274,29 @@ class Struct(Type):
     def read(self, reader: Reader, numbers: Numbers) -> Any:
         return self.record(*(kind.read(reader, numbers) for kind in self.fields.values()))
 
-    def shape(self, numbers: Numbers) -> Iterable[bytes]:
-        yield b"\x7f"
-        yield from _fields(self.fields, numbers)
 
+class Sample(Struct):
+    """A struct with a field ``fields``, the bits of those behind it that are there; the others are ``None``."""
 
-def _fields(fields: dict[str, Type], numbers: Numbers) -> Iterable[bytes]:
-    for name, kind in fields.items():
-        yield name.rstrip("_").encode()
-        yield from kind.shape(numbers)
+    def __init__(self, name: str, bits: Bits, /, **fields: Type) -> None:
+        super().__init__(name, **fields)
+        self._bits = bits
+
+    def write(self, out: bytearray, value: Any, numbers: Numbers) -> None:
+        left_out = self._bits.left_out(value.fields)
+        for name, kind in self.fields.items():
+            if name not in left_out:
+                kind.write(out, getattr(value, name), numbers)
+
+    def read(self, reader: Reader, numbers: Numbers) -> Any:
+        values: dict[str, Any] = dict.fromkeys(self.fields)
+        left_out: set[str] = set()
+        for name, kind in self.fields.items():
+            if name not in left_out:
+                values[name] = kind.read(reader, numbers)
+            if name == "fields":
+                left_out = self._bits.left_out(values[name])
+        return self.record(**values)
 
 
 @dataclass(frozen=True)
@@ -327,7 +323,7 @@ class Enum(Type):
             variant: Struct(variant, **content) if isinstance(content, dict) else content
             for variant, content in variants.items()
         }
-        self._with_fields = {name for name, content in variants.items() if isinstance(content, dict)}
+        self.with_fields = {name for name, content in variants.items() if isinstance(content, dict)}
         self._names = list(variants)
 
     def __getattr__(self, name: str) -> Any:
@@ -337,7 +333,7 @@ class Enum(Type):
         content = variants[name]
         if content is None:
             return lambda: Value(name)
-        if name in self._with_fields:
+        if name in self.with_fields:
             return lambda **fields: Value(name, content(**fields))
         return lambda value: Value(name, value)
 
@@ -355,19 +351,6 @@ class Enum(Type):
         content = self.variants[name]
         return Value(name) if content is None else Value(name, content.read(reader, numbers))
 
-    def shape(self, numbers: Numbers) -> Iterable[bytes]:
-        yield b"\xe9"
-        for name, content in self.variants.items():
-            yield name.encode()
-            if content is None:
-                yield b"\xb5"
-            elif isinstance(content, Struct) and name in self._with_fields:
-                yield b"\x67"
-                yield from _fields(content.fields, numbers)
-            else:
-                yield b"\xdf"
-                yield from content.shape(numbers)
-
 
 def dumps(kind: Type, value: Any, numbers: Numbers) -> bytes:
     """``value`` as bytes."""
@@ -383,12 +366,3 @@ def loads(kind: Type, data: bytes, numbers: Numbers) -> Any:
     if reader.left:
         raise DecodeError(f"{reader.left} bytes left over behind the message")
     return value
-
-
-def key(kind: Type, numbers: Numbers, path: str = "trirrr") -> int:
-    """The schema key: FNV-1a, 64 bits, over the path and the type's shape."""
-    state = 0xCBF2_9CE4_8422_2325
-    for piece in (path.encode(), *kind.shape(numbers)):
-        for byte in piece:
-            state = (state ^ byte) * 0x100_0000_01B3 % (1 << 64)
-    return state

@@ -12,7 +12,8 @@ from .errors import BoardError, Interrupted
 from .exchange import Exchange, Refused, Silent
 from .goals import Mover, NoMotion
 from .jobs import Job, common, offer, switch
-from .messages import ALL_FIELDS, NUMBERS, Command, Recovery, SectionName
+from .messages import ALL_FIELDS, Command, Recovery, SectionName
+from .numbers import NUMBERS
 from .ports import Port, PortError
 from .postcard import Value
 

@@ -13,10 +13,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from . import words
+from . import texts
 from .errors import BoardError, TrirrrError
 from .exchange import Exchange, Refused, Silent
-from .messages import Command, Firmware, ImageBlock, ImageHeader, UpdateStep
+from .messages import BLOCK, Command, Firmware, ImageBlock, ImageHeader, SceneNeed, UpdateStep
 from .ports import PortError
 from .postcard import Value
 
@@ -26,9 +26,8 @@ _MARK = b"trirrr image v1:"
 _LABEL = (16, 16, 32, 16)
 #: Most bytes of an image: more is no file for a microcontroller.
 _LARGEST = 16 << 20
-#: Parts of a block, and bytes of a part.
-_PARTS, _PART = 4, 32
-_BLOCK = _PARTS * _PART
+#: Bytes of a part of a block.
+_PART = 32
 #: Time from the answer to a restart until the first hello: the board starts anew after a tenth of a second.
 _RESTART_S = 0.5
 #: Longest wait for a board that installs an image, and goes back if it fails: eight erasures of 2 s, twice.
@@ -38,12 +37,8 @@ _RETRY_S = 0.2
 #: Times that a broken line is opened anew.
 _RECONNECTS = 3
 #: Needs that an image has room for, by the bits of ``SceneTypes.room``, and those that have a key there. Power lists stand between.
-_ROOM = (
-    "Torques", "PayloadOffset", "Rotors", "LinkMasses", "Gravity", "Quintics", "Jerk", "Paths", "Batches",
-)  # fmt: skip
-_KEYS = (
-    "Number", "TickRate", "Drives", "Brake", "ToolOutput", "Inputs", "Lamp", "Homing", "Feedback", "Contact",
-)  # fmt: skip
+_NEEDS = list(SceneNeed.variants)
+_ROOM, _KEYS = _NEEDS[: _NEEDS.index("PowerLists")], _NEEDS[_NEEDS.index("PowerLists") + 1 :]
 
 #: Hears the bytes that the board has, their number, and the name of the part: ``Sending`` or ``Restarting``.
 Heard = Callable[[int, int, str], None]
@@ -131,20 +126,20 @@ class SceneValues:
         """``UpdateFailed`` where the types of the board's image lack something that the scene needs."""
         room = status.scene
         if room is None:
-            raise UpdateFailed(words.update("NoScene"))
+            raise UpdateFailed(texts.UPDATE["NoScene"])
         needed = self.header.types
         bits = needed.room & ~room.types.room
         lacks = [name for bit, name in enumerate(_ROOM) if bits >> bit & 1]
         lacks += ["PowerLists"] * (needed.levels > room.types.levels)
         lacks += [name for name, own, asked in zip(_KEYS, room.types.keys, needed.keys) if own != asked]
         if lacks:
-            parts = "".join(f"\n  {words.scene_need(name)}" for name in lacks)
+            parts = "".join(f"\n  {texts.SCENE_NEED[name]}" for name in lacks)
             raise UpdateFailed(
                 f"the board's image lacks what the scene needs:{parts}\nmake them the same as in the scene of the image, or "
                 "build an image from this scene and send it by Board.update"
             )
         if room.layout != self.header.layout:
-            raise UpdateFailed(words.update("SceneLayout"))
+            raise UpdateFailed(texts.UPDATE["SceneLayout"])
 
     def require_running(self, status: Any, identity: Any) -> None:
         """``UpdateFailed`` where the board, started anew, runs another scene."""
@@ -222,7 +217,7 @@ class _Transfer:
             _step(exchange, self._content.begin())
         while received < len(data):
             self._heard(received, len(data), "Sending")
-            part = data[received : received + _BLOCK]
+            part = data[received : received + BLOCK]
             _step(exchange, UpdateStep.Block(_block(received, part)))
             received += len(part)
         self._heard(received, len(data), "Sending")
@@ -247,8 +242,8 @@ def _is_forgotten(refused: Refused) -> bool:
 
 
 def _block(offset: int, part: bytes) -> Any:
-    padded = part.ljust(_BLOCK, b"\0")
-    parts = tuple(tuple(padded[at : at + _PART]) for at in range(0, _BLOCK, _PART))
+    padded = part.ljust(BLOCK, b"\0")
+    parts = tuple(tuple(padded[at : at + _PART]) for at in range(0, BLOCK, _PART))
     return ImageBlock(offset, len(part), parts)
 
 

@@ -3,4 +3,3 @@
 mod document;
 mod examples;
 mod guide;
-mod schema;
