@@ -12,13 +12,14 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import functools
 import math
 import os
 import threading
 import time
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Coroutine, Iterable, Iterator
 from dataclasses import dataclass, replace
-from typing import Any, TypeVar
+from typing import Any, Concatenate, ParamSpec, TypeVar
 
 from . import jobs, record, words
 from .errors import BoardError, Interrupted
@@ -33,6 +34,7 @@ from .record import Recorder
 from .stream import ON_THE_WAY, Stream
 from .update import Program, SceneValues, bring
 
+P = ParamSpec("P")
 T = TypeVar("T")
 
 _UNDER_WAY = "a job is under way: wait for its end, or stop() it"
@@ -507,120 +509,6 @@ class Board:
                 time.sleep(LOOK_S)
 
 
-class AsyncBoard:
-    """A ``Board`` for ``asyncio``: each call runs in a thread, so that several machines move at once, and a hold gets through.
-
-    A task that is cancelled, and so one whose time is out (``asyncio.timeout``, ``asyncio.wait_for``), brings the machine to rest on its
-    path first. The board can be used after it.
-    """
-
-    def __init__(self, board: Board) -> None:
-        self.board = board
-
-    @classmethod
-    async def connect(
-        cls,
-        address: str,
-        *,
-        baud: int = 921_600,
-        number: str | None = None,
-        scene: str | os.PathLike[str] | None = None,
-    ) -> AsyncBoard:
-        """As ``Board.connect``."""
-        return cls(await asyncio.to_thread(Board.connect, address, baud=baud, number=number, scene=scene))
-
-    async def __aenter__(self) -> AsyncBoard:
-        return self
-
-    async def __aexit__(self, *_: object) -> None:
-        await asyncio.to_thread(self.board.close)
-
-    async def status(self) -> BoardStatus:
-        """As ``Board.status``."""
-        return await _call(self.board.status)
-
-    async def enable(self) -> BoardStatus:
-        """As ``Board.enable``."""
-        return await _call(self.board.enable)
-
-    async def disable(self) -> None:
-        """As ``Board.disable``. It is sent also where the task is cancelled."""
-        await _uncut(self.board.disable)
-
-    async def clear_fault(self) -> None:
-        """As ``Board.clear_fault``."""
-        await _call(self.board.clear_fault)
-
-    async def mount(self, carried: Carried) -> Triple:
-        """As ``Board.mount``."""
-        return await _call(lambda: self.board.mount(carried))
-
-    async def home(self) -> Triple:
-        """As ``Board.home``."""
-        return await _call(self.board.home)
-
-    async def move(self, pose: Triple) -> Triple:
-        """As ``Board.move``."""
-        return await _call(lambda: self.board.move(pose))
-
-    async def step(self, by: Triple) -> Triple:
-        """As ``Board.step``."""
-        return await _call(lambda: self.board.step(by))
-
-    async def jog(self, velocity: Triple, seconds: float) -> Triple:
-        """As ``Board.jog``."""
-        return await _call(lambda: self.board.jog(velocity, seconds))
-
-    async def follow(self, poses: Iterable[Triple], every_s: float) -> Triple:
-        """As ``Board.follow``."""
-        return await _call(lambda: self.board.follow(poses, every_s))
-
-    async def probe(self, to: Triple, seconds: float, *, away: bool = False) -> Contact | None:
-        """As ``Board.probe``."""
-        return await _call(lambda: self.board.probe(to, seconds, away=away))
-
-    async def output(self, output: str | int, on: bool) -> None:
-        """As ``Board.output``."""
-        await _call(lambda: self.board.output(output, on))
-
-    async def feed(self, percent: int) -> None:
-        """As ``Board.feed``."""
-        await _call(lambda: self.board.feed(percent))
-
-    async def run(
-        self,
-        job: str | os.PathLike[str],
-        *,
-        moves: str | os.PathLike[str] | None = None,
-        recover_s: float | None = None,
-        progress: Progress | bool | None = None,
-    ) -> dict[str, list[float]]:
-        """As ``Board.run``."""
-        return await _call(lambda: self.board.run(job, moves=moves, recover_s=recover_s, progress=progress))
-
-    async def update(self, image: str | os.PathLike[str], *, progress: Progress | bool | None = None) -> str:
-        """As ``Board.update``."""
-        return await _call(lambda: self.board.update(image, progress=progress))
-
-    async def install(
-        self, scene: str | os.PathLike[str], settings: Iterable[str] = (), *, progress: Progress | bool | None = None
-    ) -> str:
-        """As ``Board.install``."""
-        return await _call(lambda: self.board.install(scene, settings, progress=progress))
-
-    async def hold(self) -> None:
-        """As ``Board.hold``. It is sent also where the task is cancelled."""
-        await _uncut(self.board.hold)
-
-    async def resume(self) -> None:
-        """As ``Board.resume``."""
-        await _call(self.board.resume)
-
-    async def stop(self) -> None:
-        """As ``Board.stop``. It is sent also where the task is cancelled."""
-        await _uncut(self.board.stop)
-
-
 async def _call(call: Callable[[], T]) -> T:
     """Runs ``call`` in a thread. A task that is cancelled ends the call, which brings the machine to rest, and waits for that."""
     end = threading.Event()
@@ -657,6 +545,67 @@ async def _ended(running: asyncio.Future[Any]) -> None:
     error = running.exception()
     if error is not None and not isinstance(error, Interrupted):
         raise asyncio.CancelledError(str(error)) from error
+
+
+def _in_thread(
+    method: Callable[Concatenate[Board, P], T], run: Callable[[Callable[[], T]], Coroutine[Any, Any, T]]
+) -> Callable[Concatenate[AsyncBoard, P], Coroutine[Any, Any, T]]:
+    """``method`` of a ``Board`` as one of its ``AsyncBoard``, with its arguments and its docs."""
+
+    @functools.wraps(method)
+    async def call(self: AsyncBoard, /, *args: P.args, **more: P.kwargs) -> T:
+        return await run(functools.partial(method, self.board, *args, **more))
+
+    return call
+
+
+class AsyncBoard:
+    """A ``Board`` for ``asyncio``: each call runs in a thread, so that several machines move at once, and a hold gets through.
+
+    A task that is cancelled, and so one whose time is out (``asyncio.timeout``, ``asyncio.wait_for``), brings the machine to rest on its
+    path first. ``disable``, ``hold`` and ``stop`` are sent also where the task is cancelled. The board can be used after it.
+    """
+
+    def __init__(self, board: Board) -> None:
+        self.board = board
+
+    @classmethod
+    async def connect(
+        cls,
+        address: str,
+        *,
+        baud: int = 921_600,
+        number: str | None = None,
+        scene: str | os.PathLike[str] | None = None,
+    ) -> AsyncBoard:
+        """As ``Board.connect``."""
+        return cls(await asyncio.to_thread(Board.connect, address, baud=baud, number=number, scene=scene))
+
+    async def __aenter__(self) -> AsyncBoard:
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await asyncio.to_thread(self.board.close)
+
+    status = _in_thread(Board.status, _call)
+    enable = _in_thread(Board.enable, _call)
+    disable = _in_thread(Board.disable, _uncut)
+    clear_fault = _in_thread(Board.clear_fault, _call)
+    mount = _in_thread(Board.mount, _call)
+    home = _in_thread(Board.home, _call)
+    move = _in_thread(Board.move, _call)
+    step = _in_thread(Board.step, _call)
+    jog = _in_thread(Board.jog, _call)
+    follow = _in_thread(Board.follow, _call)
+    probe = _in_thread(Board.probe, _call)
+    output = _in_thread(Board.output, _call)
+    feed = _in_thread(Board.feed, _call)
+    run = _in_thread(Board.run, _call)
+    update = _in_thread(Board.update, _call)
+    install = _in_thread(Board.install, _call)
+    hold = _in_thread(Board.hold, _uncut)
+    resume = _in_thread(Board.resume, _call)
+    stop = _in_thread(Board.stop, _uncut)
 
 
 def _ignore(message: Value) -> None:
