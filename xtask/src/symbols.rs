@@ -10,7 +10,8 @@ use crate::elf::{Elf, with_elf};
 use anyhow::{Result, ensure};
 use object::{Object, ObjectSymbol};
 use std::path::Path;
-use trirrr_core::model::{LinksKind, ModelKind, PayloadKind};
+use trirrr_core::model::ModelKind;
+use trirrr_core::torque::{links::LinksKind, payload::PayloadKind};
 use trirrr_image::generate::{kind, of_scene};
 use trirrr_scene::Scene;
 

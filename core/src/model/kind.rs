@@ -3,8 +3,8 @@
 use super::{AnyDynamic, Dynamic, Kinematic, Model};
 use crate::machine::Parameters;
 use crate::number::Number;
-use crate::torque::links::{Horizontal, InPlane, Massive, Massless, Rotors};
-use crate::torque::payload::{Centred, Offset, Payload};
+use crate::torque::links::{Horizontal, InPlane, LinksKind, Massive, Massless, Rotors};
+use crate::torque::payload::{Centred, Offset, Payload, PayloadKind};
 
 /// Kind of a [`Model`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -13,28 +13,6 @@ pub enum ModelKind {
     Kinematic,
     /// [`Dynamic`]: torques, for a kind of payload and a kind of links.
     Dynamic(PayloadKind, LinksKind),
-}
-
-/// Kind of a [`Payload`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum PayloadKind {
-    /// The centre of mass is the reference point.
-    Centred,
-    /// The centre of mass lies at an offset from the reference point.
-    Offset,
-}
-
-/// Kind of [`Links`](crate::torque::links::Links). Each kind has room for those before.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum LinksKind {
-    /// No mass, no rotor inertia.
-    Massless,
-    /// No mass, but rotor inertia.
-    Rotors,
-    /// Mass, no gravity in the plane.
-    MassiveHorizontal,
-    /// Mass, and gravity in the plane.
-    MassiveInPlane,
 }
 
 /// A machine, and the kind that its model has to have.
@@ -123,32 +101,7 @@ impl ModelKind {
     }
 }
 
-impl PayloadKind {
-    fn of(parameters: &Parameters) -> Self {
-        let com = parameters.platform.com_m;
-        if com.x == 0.0 && com.y == 0.0 {
-            Self::Centred
-        } else {
-            Self::Offset
-        }
-    }
-}
-
 impl LinksKind {
-    fn of(parameters: &Parameters) -> Self {
-        let g = parameters.gravity_m_s2;
-        let rotors = parameters
-            .legs
-            .iter()
-            .any(|leg| leg.rotor_inertia_kgm2 != 0.0);
-        match (parameters.links_are_massless(), rotors) {
-            (true, false) => Self::Massless,
-            (true, true) => Self::Rotors,
-            (false, _) if g.x == 0.0 && g.y == 0.0 => Self::MassiveHorizontal,
-            (false, _) => Self::MassiveInPlane,
-        }
-    }
-
     fn visit<N, P, V>(self, visitor: V) -> V::Output
     where
         N: Number,

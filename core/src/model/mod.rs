@@ -11,7 +11,7 @@
 
 mod kind;
 
-pub use kind::{LinksKind, ModelKind, ModelVisitor, OfKind, PayloadKind};
+pub use kind::{ModelKind, ModelVisitor, OfKind};
 
 use crate::inverse::{LegMotion, Rotation};
 use crate::number::Number;
@@ -21,7 +21,7 @@ use crate::status::Status;
 use crate::to_source;
 use crate::torque::balance::{Balance, Forces};
 use crate::torque::lines::DistalLines;
-use crate::torque::links::{AnyLinks, LegLoad, Links, Massless};
+use crate::torque::links::{AnyLinks, LegLoad, Links, LinksKind, Massless};
 use crate::torque::payload::{AnyPayload, Centred, Payload};
 use core::fmt::Debug;
 use core::marker::PhantomData;

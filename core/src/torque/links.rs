@@ -3,7 +3,6 @@
 
 use crate::inverse::LegMotion;
 use crate::machine::{LegParameters, Parameters};
-use crate::model::LinksKind;
 use crate::number::{Number, dot, perpendicular};
 use crate::source::ToSource;
 use crate::to_source;
@@ -33,6 +32,36 @@ impl<N: Number> LegLoad<N> {
     pub fn fits(&self) -> bool {
         let fits = |load: Option<N>| load.is_none_or(|load| N::in_range([load]));
         fits(self.at_motor) && fits(self.distal_over_l2_sq)
+    }
+}
+
+/// Kind of [`Links`]. Each kind has room for those before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum LinksKind {
+    /// No mass, no rotor inertia.
+    Massless,
+    /// No mass, but rotor inertia.
+    Rotors,
+    /// Mass, no gravity in the plane.
+    MassiveHorizontal,
+    /// Mass, and gravity in the plane.
+    MassiveInPlane,
+}
+
+impl LinksKind {
+    /// Returns the leanest kind that has room for `parameters`.
+    pub(crate) fn of(parameters: &Parameters) -> Self {
+        let g = parameters.gravity_m_s2;
+        let rotors = parameters
+            .legs
+            .iter()
+            .any(|leg| leg.rotor_inertia_kgm2 != 0.0);
+        match (parameters.links_are_massless(), rotors) {
+            (true, false) => Self::Massless,
+            (true, true) => Self::Rotors,
+            (false, _) if g.x == 0.0 && g.y == 0.0 => Self::MassiveHorizontal,
+            (false, _) => Self::MassiveInPlane,
+        }
     }
 }
 

@@ -3,13 +3,33 @@
 use super::demand::Demand;
 use crate::inverse::Rotation;
 use crate::machine::Parameters;
-use crate::model::PayloadKind;
 use crate::number::{Number, cross};
 use crate::setpoint::Setpoint;
 use crate::source::ToSource;
 use crate::to_source;
 use core::fmt::{self, Debug};
 use nalgebra::Vector2;
+
+/// Kind of a [`Payload`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum PayloadKind {
+    /// The centre of mass is the reference point.
+    Centred,
+    /// The centre of mass lies at an offset from the reference point.
+    Offset,
+}
+
+impl PayloadKind {
+    /// Returns the leanest kind that has room for `parameters`.
+    pub(crate) fn of(parameters: &Parameters) -> Self {
+        let com = parameters.platform.com_m;
+        if com.x == 0.0 && com.y == 0.0 {
+            Self::Centred
+        } else {
+            Self::Offset
+        }
+    }
+}
 
 /// A kind of platform. The scene chooses it by type, so that an image holds the code of one.
 pub trait Payload<N: Number>: Copy + Debug + PartialEq + Send + Sync + ToSource + 'static {
