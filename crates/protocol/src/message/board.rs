@@ -1,6 +1,5 @@
 //! Self-description of a board: its timer, its clock, the reason of its start, and the build of its program.
 
-use super::report::NAME_CAPACITY;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 use trirrr_core::to_source;
@@ -31,6 +30,9 @@ pub struct Firmware {
     /// Chip of that board; empty for a simulator.
     pub chip: [u8; SHORT_TEXT],
 }
+
+/// Bytes for the name of a scene, a job or a board.
+pub const NAME_CAPACITY: usize = 32;
 
 /// Bytes of a version, a commit, and the name of a chip.
 const SHORT_TEXT: usize = 16;

@@ -1,10 +1,10 @@
 //! Commands that a host sends to a machine.
 
-use super::report::NAME_CAPACITY;
+use super::board::NAME_CAPACITY;
 use super::scene::{Section, SectionName};
 use super::{
-    LevelPiece, ListedMove, Move, MoveBatch, OutputSwitch, PathPiece, QuinticMove, TelemetryFields,
-    Transmit, Unread, UpdateStep,
+    AnyMove, LevelPiece, ListedMove, Move, MoveBatch, OutputSwitch, PathPiece, QuinticMove,
+    TelemetryFields, Transmit, Unread, UpdateStep,
 };
 use core::fmt;
 use postcard_schema::Schema;
@@ -304,6 +304,16 @@ impl OfferedMoves {
     /// Number of the move behind the last.
     pub fn next(&self) -> u32 {
         self.number.wrapping_add(self.count)
+    }
+}
+
+impl<N: Number> AnyMove<N> {
+    /// The command that offers it.
+    pub fn command(&self) -> Command<N> {
+        match *self {
+            Self::Cubic(each) => Command::Move(each),
+            Self::Quintic(each) => Command::Quintic(each),
+        }
     }
 }
 

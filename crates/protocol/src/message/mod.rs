@@ -34,7 +34,7 @@ mod tests;
 mod update;
 mod violation;
 
-pub use board::{AngleReference, Board, Clock, Firmware, Registers, Start};
+pub use board::{AngleReference, Board, Clock, Firmware, NAME_CAPACITY, Registers, Start};
 pub use command::{
     AllMoves, Command, Goal, Hello, JobLabel, ListedContent, MoveContents, OfferedMoves,
     QuinticContent, Recovery, Request,
@@ -49,8 +49,7 @@ pub use path::{PathCurve, PathPiece};
 pub use probe::{ProbeContact, ProbeRun};
 pub use refusal::Refusal;
 pub use report::{
-    Cut, Event, Identity, Interruption, JobAccount, Message, MessageRef, NAME_CAPACITY, Reply,
-    Status, Verdict,
+    Cut, Event, Identity, Interruption, JobAccount, Message, MessageRef, Reply, Status, Verdict,
 };
 pub use scene_types::{SCENE_KEYS, SceneHeader, SceneNeed, SceneNeeds, SceneRoom, SceneTypes};
 pub use state::{Acting, State};

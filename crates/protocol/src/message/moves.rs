@@ -1,6 +1,6 @@
 //! Moves that a host offers: cubics, quintics, and several of them at once.
 
-use super::{Command, Transmit};
+use super::Transmit;
 use crate::wire::checksum;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
@@ -265,14 +265,6 @@ impl<N: Number> AnyMove<N> {
         match self {
             Self::Cubic(_) => None,
             Self::Quintic(each) => Some([each.start_acceleration, each.end_acceleration]),
-        }
-    }
-
-    /// The command that offers it.
-    pub fn command(&self) -> Command<N> {
-        match *self {
-            Self::Cubic(each) => Command::Move(each),
-            Self::Quintic(each) => Command::Quintic(each),
         }
     }
 }

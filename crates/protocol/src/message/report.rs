@@ -1,7 +1,7 @@
 //! Messages that a machine sends.
 
 use super::Transmit;
-use super::board::{AngleReference, Board, Firmware};
+use super::board::{AngleReference, Board, Firmware, NAME_CAPACITY};
 use super::command::JobLabel;
 use super::digital::DigitalStates;
 use super::drive::{DriveSample, NotEnabled};
@@ -18,9 +18,6 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
-
-/// Bytes for the name of a scene.
-pub const NAME_CAPACITY: usize = 32;
 
 /// Everything that a machine sends.
 ///
