@@ -1,6 +1,6 @@
 //! Rounding of corners: a smooth curve takes the place of two pieces' ends.
 
-use crate::course::PathPiece;
+use crate::path::PathPiece;
 use crate::piece::{Piece, PlaneCurve};
 use nalgebra::Vector3;
 use trirrr_core::setpoint::Pose;

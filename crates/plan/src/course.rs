@@ -1,14 +1,12 @@
 //! Plans of whole paths, with memory from the heap: grids, stops at corners, refinement.
 
-use crate::bound::Possible;
-use crate::cell::{Cell, Limited, Obstacle, Planner};
+pub use crate::path::{PathPiece, PathPlace, PathRefusal};
+pub use crate::run::Run;
+
+use crate::cell::Planner;
 use crate::grid::Grid;
-use crate::jerk::{self, JerkLimits};
-use crate::passes::{acting, controllable, duration, ends_of, fastest, time_between};
-use crate::piece::{Piece, joint};
 use core::ops::Range;
 use trirrr_core::model::Model;
-use trirrr_core::setpoint::Pose;
 
 /// Accuracy of a plan and the work allowed for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,87 +26,6 @@ impl Default for Effort {
     }
 }
 
-/// A place on a path.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PathPlace {
-    /// Index of the piece.
-    pub piece: usize,
-    /// Parameter of the piece, 0 to 1.
-    pub p: f64,
-}
-
-/// A piece of a path with what goes for it alone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PathPiece {
-    /// The geometry.
-    pub piece: Piece<f64>,
-    /// Greatest speed of D, m/s, if it is limited.
-    pub feed_m_s: Option<f64>,
-    /// Number of the piece in the user's path, from 0.
-    pub source: usize,
-    /// The motion stops where the piece begins, even where it could go on.
-    pub stops: bool,
-    /// Number of the tool's setting along the piece: a move ends where it changes.
-    pub setting: usize,
-}
-
-impl PathPiece {
-    /// Scale of x = (dp/dt)^2 from the end of `before` to the start of this piece; none where the motion stops between
-    /// the two.
-    pub(crate) fn joint(&self, before: &Self) -> Option<f64> {
-        match self.stops {
-            true => None,
-            false => joint(&before.piece, &self.piece),
-        }
-    }
-}
-
-/// Refusal of a path: no motion along it keeps the limits, or none was found to be proven.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PathRefusal {
-    /// The first place found.
-    pub place: PathPlace,
-    /// Pose there.
-    pub pose: Pose<f64>,
-    /// The reason.
-    pub obstacle: Obstacle,
-}
-
-impl PathRefusal {
-    /// Refuses the path of `pieces` at `place`.
-    pub(crate) fn at(place: PathPlace, pieces: &[PathPiece], obstacle: Obstacle) -> Self {
-        Self {
-            place,
-            pose: pieces[place.piece].piece.at(place.p).pose,
-            obstacle,
-        }
-    }
-}
-
-/// Plan of a stretch from rest to rest without a stop between.
-#[derive(Clone, Debug)]
-pub struct Run {
-    /// Its pieces.
-    pub pieces: Range<usize>,
-    /// Starts of its cells, and its end.
-    pub places: Vec<PathPlace>,
-    /// The cells.
-    pub cells: Vec<Cell<f64>>,
-    /// Bounds of any motion through each cell.
-    pub(crate) possible: Vec<Possible<f64>>,
-    /// Square of the pace dp/dt at each place, by the parameter of the piece that begins or goes on there; the last
-    /// one by the piece that ends.
-    pub squares: Vec<f64>,
-    /// Upper bound of the square of any motion's pace at each place.
-    pub squares_max: Vec<f64>,
-    /// Limits of jerk that [`replan`](Self::replan) keeps.
-    pub(crate) jerk: Option<JerkLimits>,
-    /// Duration.
-    pub duration_s: f64,
-    /// Lower bound of the duration of any motion along the run.
-    pub least_s: f64,
-}
-
 /// Plan of a path: its runs, one after the other.
 #[derive(Clone, Debug)]
 pub struct Plan {
@@ -125,57 +42,6 @@ impl Plan {
     /// Lower bound of the duration of any motion that stops where the runs end.
     pub fn least_s(&self) -> f64 {
         self.runs.iter().map(|run| run.least_s).sum()
-    }
-}
-
-impl Run {
-    /// Lowers the limits that [`replan`](Self::replan) uses in the `cells` to `share` of what it uses now; of several
-    /// shares the least counts.
-    pub fn tighten(&mut self, cells: Range<usize>, share: f64) {
-        for cell in &mut self.cells[cells] {
-            cell.tighten(share);
-        }
-    }
-
-    /// Plans again with the limits as they are in the cells.
-    pub fn replan(&mut self) {
-        for cell in &mut self.cells {
-            cell.apply_tightening();
-        }
-        controllable(&self.cells, 0.0, &mut self.squares);
-        fastest(&self.cells, 0.0, &mut self.squares);
-        if let Some(limits) = &self.jerk {
-            jerk::limit(&self.cells, limits, &mut self.squares);
-        }
-        self.duration_s = duration(&self.cells, &self.squares);
-    }
-
-    /// Time over which the motion is a mean of a mean of the plan, s.
-    pub(crate) fn mean_s(&self) -> f64 {
-        self.jerk.as_ref().map_or(0.0, |jerk| jerk.cell_s)
-    }
-
-    /// Square of the pace at both ends of cell `index`, by its piece's parameter.
-    pub(crate) fn ends_of(&self, index: usize) -> [f64; 2] {
-        ends_of(&self.cells, &self.squares, index)
-    }
-
-    /// Duration of cell `index`.
-    pub fn cell_duration_s(&self, index: usize) -> f64 {
-        let [start, end] = self.ends_of(index);
-        time_between(self.cells[index].length, start, end)
-    }
-
-    /// Rate of change of the pace in cell `index`, by its piece's parameter.
-    pub fn acceleration(&self, index: usize) -> f64 {
-        let [start, end] = self.ends_of(index);
-        (end - start) / (2.0 * self.cells[index].length)
-    }
-
-    /// The limit that is nearest in cell `index`.
-    pub fn acting(&self, index: usize) -> Option<Limited> {
-        let jerk = self.jerk.as_ref().and_then(|jerk| jerk.acting(self, index));
-        jerk.or_else(|| acting(&self.cells, &self.squares, index))
     }
 }
 

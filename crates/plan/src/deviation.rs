@@ -1,7 +1,8 @@
 //! Distance of moves from the path, everywhere between two instants.
 
-use crate::course::{PathPlace, Run};
+use crate::path::PathPlace;
 use crate::piece::joint;
+use crate::run::Run;
 use crate::spline::Spline;
 use nalgebra::Vector3;
 use trirrr_core::setpoint::{Pose, Quintics, Segment};

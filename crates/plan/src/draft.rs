@@ -1,9 +1,10 @@
 //! Moves of a run: quintics that follow its [`Spline`], as long as they can be.
 
-use crate::course::{PathPiece, Run};
 use crate::deviation::Deviation;
 use crate::fit::{Fit, LONGEST_S, ends, rest, size};
-use crate::moves::{PlannedMove, Sampling};
+use crate::path::PathPiece;
+use crate::planned::{PlannedMove, Sampling};
+use crate::run::Run;
 use crate::spline::Spline;
 use core::ops::Range;
 use nalgebra::Vector3;

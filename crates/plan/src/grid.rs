@@ -2,9 +2,10 @@
 
 use crate::bound::{Possible, least_time};
 use crate::cell::{Cell, Measured, Obstacle, Planner};
-use crate::course::{PathPiece, PathPlace, PathRefusal, Run};
 use crate::passes::{controllable, duration, fastest};
+use crate::path::{PathPiece, PathPlace, PathRefusal};
 use crate::piece::{Piece, joint, length};
+use crate::run::Run;
 use core::ops::Range;
 use trirrr_core::model::Model;
 use trirrr_service::admission::TaylorModel;

@@ -24,6 +24,8 @@ pub mod course;
 mod deviation;
 #[cfg(feature = "std")]
 mod draft;
+#[cfg(feature = "std")]
+mod even;
 mod extreme;
 mod fit;
 #[cfg(feature = "std")]
@@ -35,9 +37,15 @@ pub mod moves;
 #[cfg(feature = "std")]
 pub mod natural;
 pub mod passes;
+#[cfg(feature = "std")]
+mod path;
 pub mod piece;
+#[cfg(feature = "std")]
+mod planned;
 mod program;
 mod rows;
+#[cfg(feature = "std")]
+mod run;
 #[cfg(feature = "std")]
 mod spline;
 #[cfg(feature = "std")]

@@ -4,57 +4,16 @@
 //! of the smoothed motion at its ends, so the chain has no jump in the acceleration, and is as long as it stays near
 //! that motion. What the judge refuses is cut, or the limits are lowered there.
 
+pub use crate::planned::{PlannedMove, Sampling};
+
 use crate::cell::{Obstacle, Planner};
-use crate::course::{Effort, PathPiece, PathPlace, PathRefusal, Plan, Run, plan};
+use crate::course::{Effort, Plan, plan};
 use crate::draft::{Draft, Fine, leave_room, shortest_s};
+use crate::even;
 use crate::fit::MARGIN;
-use crate::jerk;
+use crate::path::{PathPiece, PathRefusal};
+use crate::run::Run;
 use trirrr_core::model::Model;
-use trirrr_core::setpoint::{Ends, Quintics, Segment};
-
-/// Tick and tolerances of the moves.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sampling {
-    /// Seconds per tick.
-    pub period_s: f64,
-    /// Largest distance of D from the path, m.
-    pub tolerance_m: f64,
-    /// Largest deviation of alpha from that on the path, rad.
-    pub tolerance_rad: f64,
-    /// Distance between neighbouring positions in the number type that the moves are played in, m.
-    pub resolution_m: f64,
-    /// The same of alpha, rad.
-    pub resolution_rad: f64,
-    /// Ticks that every move takes at least, 1 or more: a queue of so many moves has to last for a hold.
-    pub ticks_min: u32,
-}
-
-impl Sampling {
-    /// Speed that the rounding of both ends of a move of `duration_s` adds at most, m/s.
-    pub(crate) fn rounded_speed(&self, duration_s: f64) -> f64 {
-        3.0 * self.resolution_m / duration_s
-    }
-}
-
-/// One move of a plan.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PlannedMove {
-    /// Pose, velocity and acceleration at both ends, m, rad and s.
-    pub ends: Ends<f64, Quintics>,
-    /// Duration in ticks, positive.
-    pub ticks: u32,
-    /// Place on the path at its start.
-    pub place: PathPlace,
-    /// Index of the piece that holds its middle.
-    pub piece: usize,
-}
-
-impl PlannedMove {
-    /// The motion of the move, in ticks of `period_s`.
-    pub fn segment(&self, period_s: f64) -> Segment<f64, Quintics> {
-        Segment::new(&self.ends, self.ticks, period_s)
-    }
-}
 
 /// Judgement of a planned move by whoever plays it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -121,7 +80,7 @@ fn moves_of<M: Model<N = f64>>(
 ) -> Result<Vec<PlannedMove>, PathRefusal> {
     if planner.jerk().is_some() {
         let step_s = f64::from(sampling.ticks_min) * sampling.period_s;
-        *run = jerk::refined(planner, pieces, run, step_s)?;
+        *run = even::refined(planner, pieces, run, step_s)?;
     }
     let mut fine: Vec<Fine> = Vec::new();
     // The excess of the first instant that is not proven may be less than the largest one: what is refused again is

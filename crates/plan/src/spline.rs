@@ -3,8 +3,9 @@
 //! A uniform cubic spline in time whose coefficients are the plan's poses, a step apart. Its acceleration is an average
 //! of the plan's over two steps: continuous where the plan's jumps, and of no value that the plan does not take nearby.
 
-use crate::course::{PathPiece, PathPlace, Run};
 use crate::fit::{Motion, size, smoothed};
+use crate::path::{PathPiece, PathPlace};
+use crate::run::Run;
 use crate::timeline::Timeline;
 use nalgebra::Vector3;
 use trirrr_core::setpoint::{Pose, Setpoint};

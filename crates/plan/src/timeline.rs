@@ -3,7 +3,8 @@
 //! The plan of a run has an acceleration that is constant in each cell and jumps between them. With a limit of jerk the
 //! distance is its mean over a short time, and that once more, so that the acceleration goes evenly from one to the next.
 
-use crate::course::{PathPlace, Run};
+use crate::path::PathPlace;
+use crate::run::Run;
 
 /// Time, distance and pace at the start of a cell.
 #[derive(Clone, Copy, Debug)]

@@ -1,8 +1,8 @@
 //! alpha as a smooth curve over the pieces of a stretch.
 
 use super::knots::{Knot, Stretch};
-use crate::course::{PathPiece, PathPlace};
 use crate::natural::natural_spline;
+use crate::path::{PathPiece, PathPlace};
 
 /// alpha between two knots: a cubic of the part of the distance between them.
 #[derive(Clone, Copy)]

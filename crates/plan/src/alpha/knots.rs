@@ -1,6 +1,6 @@
 //! Places on a stretch of a path at which alpha is chosen; between them it is a spline.
 
-use crate::course::PathPiece;
+use crate::path::PathPiece;
 use crate::piece::length;
 
 /// Part of the distance between knots within which a joint of pieces attracts one.

@@ -14,7 +14,8 @@ pub use estimate::Sampler;
 
 use crate::cell::Planner;
 use crate::corner::round_corners;
-use crate::course::{PathPiece, PathPlace, PathRefusal, estimate};
+use crate::course::estimate;
+use crate::path::{PathPiece, PathPlace, PathRefusal};
 use core::ops::Range;
 use curve::{lay, original};
 use improve::improve;

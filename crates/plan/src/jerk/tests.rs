@@ -46,8 +46,8 @@ fn a_straight_way_takes_hardly_more_than_the_least_time() {
             limits: [jerk, f64::MAX, f64::MAX],
             turning: vec![[[1.0, 0.0], [0.0; 2], [0.0; 2]]; count],
             jumps: vec![[0.0; 3]; count],
-            step_s: CELL_S,
-            cell_s: CELL_S,
+            step_s: 0.003,
+            cell_s: 0.003,
         };
         let mut squares = vec![0.0; count + 1];
         controllable(&cells, 0.0, &mut squares);
