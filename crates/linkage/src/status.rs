@@ -1,7 +1,7 @@
 //! Reasons why a dyad has no solution.
 
-use super::rrr::OutOfReach;
 use thiserror::Error;
+use trirrr_core::dyad::OutOfReach;
 
 /// Reason why a dyad has no solution for the motion of its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Error)]

@@ -7,29 +7,10 @@
 use super::constraint::equations;
 use super::description::{FRAME, Linkage};
 use super::factors::Factors;
+use super::parts::BodyMass;
 use super::solve::Position;
-use nalgebra::{DMatrix, Vector2};
+use nalgebra::DMatrix;
 use trirrr_core::number::cross;
-
-/// Mass of a link.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BodyMass {
-    /// Mass, kg.
-    pub mass_kg: f64,
-    /// Centre of mass in the link's frame, m.
-    pub com_m: Vector2<f64>,
-    /// Moment of inertia about the centre of mass, kg m^2.
-    pub inertia_kgm2: f64,
-}
-
-impl BodyMass {
-    /// A link without mass.
-    pub const NONE: Self = Self {
-        mass_kg: 0.0,
-        com_m: Vector2::new(0.0, 0.0),
-        inertia_kgm2: 0.0,
-    };
-}
 
 impl Linkage {
     /// Returns `true` if a link has mass or inertia: the drives have loads.

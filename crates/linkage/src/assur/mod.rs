@@ -90,7 +90,7 @@ pub use description::{
 };
 pub use files::{NamedFile, files, inverse_files};
 pub use groups::{Dyad, Group, GroupKind};
-pub use loads::{BodyMass, drive_loads};
+pub use loads::drive_loads;
 pub use loops::{LinkLoop, LoopUnknowns, independent_loops, unknowns};
 pub use mobility::Mobility;
 pub use report::{header, stopped, summary};

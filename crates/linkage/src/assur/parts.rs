@@ -1,7 +1,26 @@
 //! Parts of a linkage: links, joints, drives, with names resolved to indices.
 
-use super::loads::BodyMass;
 use nalgebra::Vector2;
+
+/// Mass of a link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct BodyMass {
+    /// Mass, kg.
+    pub mass_kg: f64,
+    /// Centre of mass in the link's frame, m.
+    pub com_m: Vector2<f64>,
+    /// Moment of inertia about the centre of mass, kg m^2.
+    pub inertia_kgm2: f64,
+}
+
+impl BodyMass {
+    /// A link without mass.
+    pub const NONE: Self = Self {
+        mass_kg: 0.0,
+        com_m: Vector2::new(0.0, 0.0),
+        inertia_kgm2: 0.0,
+    };
+}
 
 /// The index of the frame, the link that stands still.
 pub const FRAME: usize = 0;

@@ -5,7 +5,7 @@ use super::{FARTHEST, Placed, read_each, read_name};
 use crate::assur::description::{
     Joint, JointDrive, JointKind, LinkBody, PointRef, Prismatic, SlotPart,
 };
-use crate::assur::loads::BodyMass;
+use crate::assur::parts::BodyMass;
 use nalgebra::Vector2;
 use trirrr_scene::read::{Bound, Section};
 

@@ -2,7 +2,7 @@
 
 use super::{FARTHEST, NAME_DEMAND, Placed, Points, is_name, read_each, read_name};
 use crate::assur::description::{LinkBody, PointRef, names};
-use crate::assur::loads::BodyMass;
+use crate::assur::parts::BodyMass;
 use nalgebra::Vector2;
 use trirrr_scene::read::{Bound, Section};
 

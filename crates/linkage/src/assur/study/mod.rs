@@ -1,11 +1,12 @@
 //! Figures of a linkage over its motion: loops and unknowns, Newton-Raphson, four-bar loops and slider-cranks, swings and strokes.
 
+mod chain;
 mod chains;
 mod slider_crank;
 mod sweep;
 mod travel;
 
-pub use chains::{ChainKind, CrankChain, DeadPoint};
+pub use chain::{ChainKind, CrankChain, DeadPoint};
 pub(super) use travel::turning;
 pub use travel::{Travel, Traveller};
 

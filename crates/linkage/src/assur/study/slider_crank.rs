@@ -3,7 +3,7 @@
 use super::super::description::{JointKind, Linkage};
 use super::super::groups::Dyad;
 use super::super::solve::Position;
-use super::chains::{
+use super::chain::{
     ChainKind, CrankChain, begins_with_ground, dead_points, driven, is_dyad, length, way,
     within_a_turn,
 };
