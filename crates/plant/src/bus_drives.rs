@@ -3,12 +3,11 @@
 use crate::bus::{DriveModel, Endpoint, Medium, MitModel, MoteusModel, OdriveModel, Servo};
 use crate::bus_settings::{absolute, mit_of, watch};
 use crate::control::{Commands, Measured};
-use crate::drives::{SimulatedDrives, reference};
+use crate::drives::{SimulatedDrives, reference, standing};
 use crate::motor::wrapped;
 use crate::refusal::Refusal;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use trirrr_core::number::Number;
-use trirrr_core::tick::Motor;
 use trirrr_core::units::Units;
 use trirrr_drives::Failure;
 use trirrr_drives::can::{
@@ -269,16 +268,6 @@ impl<N: Countable, P: Protocol, const LONGEST: usize> SimulatedBus<N, P, LONGEST
             return Err(Refusal::Drive { motor, reason });
         }
         Ok(())
-    }
-}
-
-/// Motor that stands at `angle`.
-pub(crate) fn standing<N: Number>(angle: N::Angle) -> Motor<N> {
-    Motor {
-        angle,
-        rate: N::ZERO,
-        acceleration: N::ZERO,
-        torque: N::ZERO,
     }
 }
 

@@ -57,6 +57,7 @@ pub mod refusal;
 pub mod run;
 mod sampling;
 pub mod scalar;
+mod scene_drives;
 mod stability;
 pub mod statistics;
 mod steppers;

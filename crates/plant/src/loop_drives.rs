@@ -1,8 +1,7 @@
 //! Amplifiers and encoders, with the loops that an image runs: its half in the tick, its samples, and what is around them.
 
-use crate::bus_drives::standing;
 use crate::control::{Commands, Measured};
-use crate::drives::{SimulatedDrives, reference};
+use crate::drives::{SimulatedDrives, reference, standing};
 use crate::motor::wrapped;
 use crate::power_stage::{DriveLimit, PowerStage};
 use crate::refusal::Refusal;

@@ -3,12 +3,12 @@
 use crate::clock::{RunClock, Stopwatch};
 use crate::control::Continuous;
 use crate::driven::{Driven, Sampled};
-use crate::drives::{self, samples_per_tick};
 use crate::ledger::Ledger;
 use crate::method::choose;
 use crate::model::{Control, Plant, layout_of};
 use crate::outcome::{Outcome, PlantEnd};
 use crate::refusal::Refusal;
+use crate::scene_drives::{self, samples_per_tick};
 use crate::stability;
 use crate::table::Row;
 use crate::watch::{Cause, Ending};
@@ -48,7 +48,7 @@ impl<'l, N: Countable> PlantRun<'l, N> {
                 let units = trirrr_scene::units::<N>(scene)
                     .map_err(|error| Refusal::Machine(error.to_string()))?;
                 Some(Driven::new(
-                    drives::build(scene, units, run.start(), line)?,
+                    scene_drives::build(scene, units, run.start(), line)?,
                     samples_per_tick(scene)?,
                     scene.ticks(),
                 ))
