@@ -1,6 +1,6 @@
 //! Long paths, cut into blocks that are planned by themselves: the machine stands between two of them.
 
-use crate::job::Tool;
+use crate::job_move::Tool;
 use crate::job_path::{Dwell, JobPath};
 use crate::outputs::PathOutputs;
 use crate::{NumberType, Scene};

@@ -1,8 +1,8 @@
 //! `[contact]`: detection of forces at the tool.
 
 use crate::drive::{CanProtocol, Drive, DriveKind};
+use crate::number_type::NumberType;
 use crate::read::{Bound, Section};
-use crate::scene::NumberType;
 use trirrr_service::{ContactParameters, StopCategory};
 
 /// Bandwidth of the observer where the scene does not say, Hz.

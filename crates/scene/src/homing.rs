@@ -1,14 +1,10 @@
 //! Homing: how a machine without absolute encoders finds out where its motors are.
 
-use crate::Scene;
 use crate::drive::{Drive, DriveKind};
 use crate::read::{Bound, Place, Section};
 use core::f64::consts::{PI, TAU};
 use trirrr_core::limits::LimitParameters as Limits;
-use trirrr_core::machine::Geometry;
-use trirrr_core::status::Status;
-use trirrr_core::units::Units;
-use trirrr_service::{Contact, HomingMotor, HomingParameters, HomingTimes};
+use trirrr_service::{Contact, HomingMotor};
 
 /// Longest time that an input may take to settle, s.
 const LONGEST_DEBOUNCE_S: f64 = 1.0;
@@ -33,42 +29,6 @@ pub(crate) struct PlacedHoming {
     pub(crate) homing: Homing,
     pub(crate) angles: Place,
     pub(crate) travel: Place,
-}
-
-impl Homing {
-    /// As the service of `scene` needs it, in `units`: with how long its parts take.
-    ///
-    /// # Errors
-    /// The machine cannot stand at its start; the reader of the scene would have said so.
-    pub fn parameters(&self, scene: &Scene, units: &Units) -> Result<HomingParameters, Status> {
-        let start = scene.job.start;
-        let geometry = Geometry::<f64>::build(&scene.parameters);
-        let geometry = geometry.map_err(|_| Status::OutOfRange)?;
-        let angles = geometry.motor_angles(&geometry.position(&start)?);
-        let motors = self.motors.map(|motor| HomingMotor {
-            search_rate_rad_s: motor.search_rate_rad_s / units.rate_rad_s(),
-            stall_torque_nm: motor.stall_torque_nm / units.torque_nm(),
-            latch_rate_rad_s: motor.latch_rate_rad_s / units.rate_rad_s(),
-            acceleration_rad_s2: motor.acceleration_rad_s2 / units.acceleration_rad_s2(),
-            ..motor
-        });
-        let in_units = units.pose(&start);
-        Ok(HomingParameters {
-            contact: self.contact,
-            motors,
-            debounce_ticks: self.debounce_ticks,
-            stall_is_fault: self.stall_is_fault,
-            start: [in_units.position.x, in_units.position.y, in_units.angle],
-            times: HomingTimes::new(
-                self.contact,
-                &motors,
-                self.debounce_ticks,
-                angles,
-                units.time(scene.period_s()),
-                scene.ramp().ticks,
-            ),
-        })
-    }
 }
 
 /// Name of the thing that a motor meets.

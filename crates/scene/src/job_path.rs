@@ -1,7 +1,7 @@
 //! `[[job.path]]`: a path without durations, whose moves are planned.
 
 use crate::duration::whole_ticks;
-use crate::job::{Tool, read_tool};
+use crate::job_move::{Tool, read_tool};
 use crate::levels::LevelRow;
 use crate::outputs::{OutputBits, PathOutputs};
 use crate::read::{Bound, Place, Section};

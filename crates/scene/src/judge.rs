@@ -1,7 +1,8 @@
 //! Judges the moves of a job as the service of the scene would: with its own check of an offer and its own
 //! admission, in the number type, units and model of the scene.
 
-use crate::job::JobMove;
+use crate::job_move::JobMove;
+use crate::levels::JobLevels;
 use crate::range::{RangeError, units};
 use crate::{Scene, in_number_type, offer};
 use thiserror::Error;
@@ -10,9 +11,9 @@ use trirrr_core::machine::BuildError;
 use trirrr_core::model::{Model, ModelVisitor};
 use trirrr_core::setpoint::Quintics;
 use trirrr_core::units::Units;
-use trirrr_protocol::message::{AnyMove, Refusal, Violation};
+use trirrr_protocol::message::{AnyMove, LevelRange, Refusal, Violation};
 use trirrr_service::admission::{Admission, Verdict};
-use trirrr_service::{MovePaces, ServiceNumber, check_offer, longest_move};
+use trirrr_service::{MovePaces, ServiceNumber, check_levels, check_offer, longest_move};
 
 /// Judgement of a move: the rates at which a hold may slow it down, or why it is not played.
 pub(crate) type Judgement = Result<MovePaces, Objection>;
@@ -139,4 +140,25 @@ fn judgement<M: Model<N: ServiceNumber>>(
             Verdict::Admitted | Verdict::Nothing => return Ok(admission.paces()),
         }
     }
+}
+
+/// Index of the first move whose levels the service of `scene` would refuse: too many in a tick, or D turns back.
+pub(crate) fn misfit(scene: &Scene, moves: &[JobMove], levels: &JobLevels) -> Option<usize> {
+    in_number_type!(scene.number, N => misfit_in::<N>(scene, moves, levels))
+}
+
+fn misfit_in<N: ServiceNumber>(
+    scene: &Scene,
+    moves: &[JobMove],
+    levels: &JobLevels,
+) -> Option<usize> {
+    // The units scale all lengths alike, and levels have none.
+    let units = units::<N>(scene).ok()?;
+    let period = N::factor_from_f64(units.time(scene.period_s()));
+    let fits = |(index, range): &&(u32, LevelRange)| {
+        let each = moves.get(*index as usize);
+        each.is_none_or(|each| check_levels(&offer::one::<N>(each, &units), *range, period))
+    };
+    let misfit = levels.ranges.iter().find(|each| !fits(each))?;
+    Some(misfit.0 as usize)
 }

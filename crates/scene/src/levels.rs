@@ -1,11 +1,8 @@
 //! Power lists of a job: rows of levels on its path, and the levels of its moves.
 
-use crate::job::JobMove;
-use crate::offer;
-use crate::{Scene, in_number_type};
+use crate::job_move::JobMove;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{LEVEL_PARTS, LevelRange};
-use trirrr_service::{ServiceNumber, check_levels};
 
 /// Levels of the tool's power at equal distances along a straight part of a path.
 #[derive(Clone, Debug, PartialEq)]
@@ -100,25 +97,4 @@ impl JobLevels {
         let before = |index| self.ranges.partition_point(|(of, _)| *of < index);
         before(to).saturating_sub(before(from))
     }
-}
-
-/// Index of the first move whose levels the service of `scene` would refuse: too many in a tick, or D turns back.
-pub(crate) fn misfit(scene: &Scene, moves: &[JobMove], levels: &JobLevels) -> Option<usize> {
-    in_number_type!(scene.number, N => misfit_in::<N>(scene, moves, levels))
-}
-
-fn misfit_in<N: ServiceNumber>(
-    scene: &Scene,
-    moves: &[JobMove],
-    levels: &JobLevels,
-) -> Option<usize> {
-    // The units scale all lengths alike, and levels have none.
-    let units = crate::units::<N>(scene).ok()?;
-    let period = N::factor_from_f64(units.time(scene.period_s()));
-    let fits = |(index, range): &&(u32, LevelRange)| {
-        let each = moves.get(*index as usize);
-        each.is_none_or(|each| check_levels(&offer::one::<N>(each, &units), *range, period))
-    };
-    let misfit = levels.ranges.iter().find(|each| !fits(each))?;
-    Some(misfit.0 as usize)
 }

@@ -1,7 +1,7 @@
 //! Moves of a scene's job, as a client offers them to a service.
 
 use crate::Scene;
-use crate::job::{JobMove, Tool};
+use crate::job_move::{JobMove, Tool};
 use crate::spool::SpooledMoves;
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;

@@ -1,7 +1,7 @@
 //! Changes of spare outputs along a job: at elements of its path, and with its moves.
 
 use crate::io::SparePins;
-use crate::job::JobMove;
+use crate::job_move::JobMove;
 use crate::read::Section;
 
 /// Outputs that go on, and outputs that go off, a bit for each. None does both.

@@ -1,7 +1,8 @@
 //! Checks that a job can be driven: every pose within reach and away from singularity, and every
 //! move admitted by the service's own judgement.
 
-use crate::job::{Job, JobMove, PlacedJob};
+use crate::job::{Job, PlacedJob};
+use crate::job_move::JobMove;
 use crate::judge::{Objection, Unjudged, judge};
 use crate::levels::JobLevels;
 use crate::peak::RefusedMove;

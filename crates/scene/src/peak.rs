@@ -3,7 +3,7 @@
 //! The admission names the first instant at which a limit is broken, where it is broken by little. A user wants to know by how much
 //! the move is beyond the limit in all.
 
-use crate::job::JobMove;
+use crate::job_move::JobMove;
 use crate::pipeline::Pipeline;
 use crate::record::Record;
 use crate::words::{self, short};

@@ -2,10 +2,11 @@
 
 use crate::blocks::{PathBlock, blocks, is_one_block};
 use crate::in_order::in_order;
-use crate::job::{Job, JobMove};
+use crate::job::Job;
+use crate::job_move::JobMove;
 use crate::job_path::{Dwell, JobPath, PlacedPath};
-use crate::judge::{Judgement, Objection, judge_quickly};
-use crate::levels::{JobLevels, misfit};
+use crate::judge::{Judgement, Objection, judge_quickly, misfit};
+use crate::levels::JobLevels;
 use crate::offer::CAPACITY;
 use crate::outputs::JobOutputs;
 use crate::read::Document;

@@ -1,6 +1,7 @@
 //! Plays a job: the setpoint of every tick.
 
-use crate::job::{Job, JobMove};
+use crate::job::Job;
+use crate::job_move::JobMove;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Quintics, Segment, Setpoint};
 

@@ -1,14 +1,19 @@
 //! Settings that a scene gives to the core's service.
 
 use crate::drive::Drive;
+use crate::homing::Homing;
 use crate::job_path::{TOLERANCE_M, TOLERANCE_RAD};
 use crate::scene::Scene;
+use trirrr_core::machine::Geometry;
 use trirrr_core::number::Number;
+use trirrr_core::status::Status;
 use trirrr_core::units::Units;
 use trirrr_plan::window::WindowSettings;
 use trirrr_protocol::message::{AngleReference, Board, Firmware, Message, Request, Transmit};
 use trirrr_protocol::wire::schema;
-use trirrr_service::{Contact, Planning, SceneIdentity, Settings, name};
+use trirrr_service::{
+    Contact, HomingMotor, HomingParameters, HomingTimes, Planning, SceneIdentity, Settings, name,
+};
 
 /// Shortest time of a move that a machine plans itself, s. The motion is smoothed over twice as much: a shorter one leaves
 /// curves less, a longer one has less noise of rounding.
@@ -74,5 +79,41 @@ pub fn settings<N: Transmit>(scene: &Scene, units: &Units) -> Settings<N> {
         },
         board: Board::HOST,
         firmware: &Firmware::SIMULATOR,
+    }
+}
+
+impl Homing {
+    /// As the service of `scene` needs it, in `units`: with how long its parts take.
+    ///
+    /// # Errors
+    /// The machine cannot stand at its start; the reader of the scene would have said so.
+    pub fn parameters(&self, scene: &Scene, units: &Units) -> Result<HomingParameters, Status> {
+        let start = scene.job.start;
+        let geometry = Geometry::<f64>::build(&scene.parameters);
+        let geometry = geometry.map_err(|_| Status::OutOfRange)?;
+        let angles = geometry.motor_angles(&geometry.position(&start)?);
+        let motors = self.motors.map(|motor| HomingMotor {
+            search_rate_rad_s: motor.search_rate_rad_s / units.rate_rad_s(),
+            stall_torque_nm: motor.stall_torque_nm / units.torque_nm(),
+            latch_rate_rad_s: motor.latch_rate_rad_s / units.rate_rad_s(),
+            acceleration_rad_s2: motor.acceleration_rad_s2 / units.acceleration_rad_s2(),
+            ..motor
+        });
+        let in_units = units.pose(&start);
+        Ok(HomingParameters {
+            contact: self.contact,
+            motors,
+            debounce_ticks: self.debounce_ticks,
+            stall_is_fault: self.stall_is_fault,
+            start: [in_units.position.x, in_units.position.y, in_units.angle],
+            times: HomingTimes::new(
+                self.contact,
+                &motors,
+                self.debounce_ticks,
+                angles,
+                units.time(scene.period_s()),
+                scene.ramp().ticks,
+            ),
+        })
     }
 }

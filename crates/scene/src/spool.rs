@@ -1,7 +1,7 @@
 //! Moves of a long job, in a file of records of one size: a job of any length in little memory.
 
-use crate::LongestStop;
-use crate::job::{JobMove, Tool};
+use crate::job_move::{JobMove, Tool};
+use crate::longest_stop::LongestStop;
 use core::ops::Range;
 use nalgebra::Vector3;
 use std::fs::File;

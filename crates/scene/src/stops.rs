@@ -1,43 +1,16 @@
-//! The longest stop of a job, known before the job starts.
+//! Stops along the moves of a job, wherever they begin.
 
 use crate::Scene;
-use crate::job::{Job, JobMove};
+use crate::job::Job;
+use crate::job_move::JobMove;
 use crate::judge::judge_quickly;
 use crate::levels::JobLevels;
+use crate::longest_stop::LongestStop;
 use crate::planning::join;
 use crate::way::{MoveWay, way_m};
-use crate::words::{rounded_up, short};
+use crate::words::rounded_up;
 use core::ops::Range;
-use std::fmt;
 use trirrr_service::{PacedMove, StopJob, Stops};
-
-/// Bounds of the time and of the way of a hold or a stop, wherever on a job it comes, at whatever pace: below normal speed by a
-/// feed override, on the way there, or on the way up from a hold. They may belong to different places.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct LongestStop {
-    /// Seconds from the tick that begins to slow down until the machine stands, or has come to the end of the job.
-    pub time_s: f64,
-    /// Length of D's path until there, m, rounded up to three significant digits.
-    pub way_m: f64,
-}
-
-impl LongestStop {
-    /// Takes the greater time and the greater way.
-    fn merge(&mut self, other: Self) {
-        self.time_s = self.time_s.max(other.time_s);
-        self.way_m = self.way_m.max(other.way_m);
-    }
-}
-
-impl fmt::Display for LongestStop {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let [time, way] = [self.time_s, self.way_m].map(|value| short(rounded_up(value, 4)));
-        write!(
-            f,
-            "at rest within {time} s and {way} m, wherever it comes, at any pace"
-        )
-    }
-}
 
 impl Scene {
     /// Finds the longest stop of the job, by the rates that the admission proves in the scene's number type. None if a move

@@ -3,4 +3,4 @@
 pub use crate::job::{PlacedJob, PlacedMove, read_job_with};
 pub use crate::kind::read_kind;
 pub use crate::machine::{MachineTables, read_machine};
-pub use crate::scene::read_rate;
+pub use crate::whole::read_rate;

@@ -1,8 +1,6 @@
 //! Tolerances of the machine: by how much its quantities may differ from what the scene gives.
 
-use crate::drive::DriveKind;
 use crate::read::{Bound, Section};
-use crate::scene::Scene;
 use std::f64::consts::PI;
 use trirrr_core::machine::{LegParameters, Parameters};
 
@@ -18,7 +16,7 @@ pub struct Tolerances {
     pub base_m: [f64; 3],
     /// x and y of the platform joint of each leg in the platform's frame, m.
     pub joint_m: [f64; 3],
-    /// Joint angle of each motor, rad, without the [resolution](Scene::motor_resolution_rad) of its drive.
+    /// Joint angle of each motor, rad, without the [resolution](crate::Scene::motor_resolution_rad) of its drive.
     pub motor_angle_rad: [f64; 3],
     /// Rotor inertia of each motor, relative to the nominal one; less than 1.
     pub rotor_inertia_fraction: [f64; 3],
@@ -161,26 +159,4 @@ fn check(section: &Section, tolerances: &Tolerances, parameters: &Parameters) ->
         }
     }
     good
-}
-
-impl Scene {
-    /// Half a step of the angle of each motor, rad: half a microstep of a stepper, half a count of an
-    /// encoder, both behind the gear. 0 where the scene gives neither.
-    pub fn motor_resolution_rad(&self) -> [f64; 3] {
-        [0, 1, 2].map(|motor| {
-            let drive = self.drives.map(|drives| drives[motor]);
-            let gear = drive.map_or(1.0, |drive| drive.gear_ratio);
-            let steps = match (
-                drive.map(|drive| drive.kind),
-                drive.and_then(|drive| drive.encoder_counts_per_rev),
-            ) {
-                (Some(DriveKind::Stepper(stepper)), _) => {
-                    f64::from(stepper.steps_per_rev) * f64::from(stepper.microsteps)
-                }
-                (_, Some(counts)) => f64::from(counts),
-                (_, None) => return 0.0,
-            };
-            PI / (steps * gear)
-        })
-    }
 }

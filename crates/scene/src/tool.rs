@@ -2,7 +2,8 @@
 
 use crate::drive::{Drive, DriveKind, EnableLevel};
 use crate::duration::whole_ticks;
-use crate::job::{JobMove, PlacedJob, Tool};
+use crate::job::PlacedJob;
+use crate::job_move::{JobMove, Tool};
 use crate::job_path::{Dwell, JobPath};
 use crate::read::{Bound, Document, Section};
 

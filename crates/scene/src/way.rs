@@ -3,7 +3,7 @@
 //! D moves along a polynomial of time, so along a Bezier curve of the fifth degree: no longer than its control polygon, and no faster
 //! than that of its velocity. Both come near to the truth as a curve is divided.
 
-use crate::job::JobMove;
+use crate::job_move::JobMove;
 use nalgebra::Vector2;
 
 /// Stretches of a move whose lengths are kept.

@@ -1,9 +1,7 @@
 //! Motors with an amplifier that controls their current.
 
-use super::{DriveKind, EnableLevel, read_enable};
+use super::{EnableLevel, read_enable};
 use crate::read::{Bound, Section};
-use crate::scene::Scene;
-use trirrr_drives::bldc::{AmplifierParameters, EncoderScale, LoopMotor};
 
 /// A brushless motor as a direct-current equivalent, before the gear, and the amplifier that controls its current.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -142,36 +140,4 @@ pub(super) fn difference(a: &Bldc, b: &Bldc) -> Option<(&'static str, &'static s
     ];
     let found = differs.into_iter().find(|(differs, ..)| *differs);
     found.map(|(_, key, why)| (key, why))
-}
-
-impl Scene {
-    /// Loops of the motors, as a board and the plant run them; none unless all three have an amplifier and an encoder, under
-    /// a sampled `[controller]`.
-    pub fn loop_motors(&self) -> Option<[LoopMotor; 3]> {
-        let (drives, controller) = (self.drives?, self.controller?);
-        let rate_hz = controller.sample_rate_hz(self.tick_rate_hz)?;
-        let motor = |leg: usize| {
-            let drive = drives[leg];
-            let DriveKind::Bldc(bldc) = drive.kind else {
-                return None;
-            };
-            let per_ampere = drive.gear_ratio * bldc.torque_constant_nm_a;
-            let counts = drive.encoder_counts_per_rev?;
-            Some(LoopMotor {
-                amplifier: AmplifierParameters {
-                    duty: bldc.command_duty.map(|duty| duty as f32),
-                    full_scale_nm: (per_ampere * bldc.full_scale_a) as f32,
-                    reversed: drive.reversed,
-                },
-                encoder: EncoderScale::new(counts, drive.gear_ratio, drive.reversed),
-                compliance_rad_nm: bldc
-                    .stiffness_nm_rad
-                    .map_or(0.0, |stiffness| 1.0 / stiffness)
-                    as f32,
-                encoder_bandwidth_rad_s: controller.encoder_bandwidth_rad_s as f32,
-                controller: controller.of_joint(leg, per_ampere * bldc.current_limit_a, rate_hz),
-            })
-        };
-        Some([motor(0)?, motor(1)?, motor(2)?])
-    }
 }
