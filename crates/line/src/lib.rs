@@ -14,6 +14,8 @@ mod frames;
 mod key;
 mod line;
 #[cfg(feature = "system")]
+mod link;
+#[cfg(feature = "system")]
 mod links;
 #[cfg(feature = "system")]
 mod noise;
@@ -39,9 +41,11 @@ pub use frames::Frames;
 pub use key::{KeyError, SharedKey, entropy};
 pub use line::{Line, LostLine, Reopening, is_answer};
 #[cfg(feature = "system")]
-pub use links::{Link, OpenError, open, open_keyed, open_link, open_watched};
+pub use link::Link;
 #[cfg(feature = "system")]
-use links::{WRITE_TIMEOUT, closed};
+use link::{WRITE_TIMEOUT, closed};
+#[cfg(feature = "system")]
+pub use links::{OpenError, open, open_keyed, open_link, open_watched};
 #[cfg(feature = "system")]
 pub use port::{Port, Retry};
 pub use raw::RawMessage;

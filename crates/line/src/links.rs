@@ -1,28 +1,8 @@
-//! Links, opened by their address.
+//! Opening of links by their address.
 
 use crate::sealed::{PlainLink, SealedLink};
-use crate::{Address, KeyRefusal, SharedKey, serial, tcp};
+use crate::{Address, KeyRefusal, Link, SharedKey, serial, tcp};
 use std::io;
-use std::time::Duration;
-
-/// Limit of a write: a far end that takes no byte for this long does not read.
-pub(crate) const WRITE_TIMEOUT: Duration = Duration::from_secs(1);
-
-/// Open link, used from one thread.
-pub trait Link: Send {
-    /// Waits up to `timeout` for bytes and reads at most as many as `buffer` holds. Returns the number of
-    /// bytes, 0 if none came.
-    ///
-    /// # Errors
-    /// The link is lost; [`io::ErrorKind::UnexpectedEof`] if the far end closed the link.
-    fn receive(&mut self, buffer: &mut [u8], timeout: Duration) -> io::Result<usize>;
-
-    /// Sends all of `bytes`.
-    ///
-    /// # Errors
-    /// The link is lost; [`io::ErrorKind::TimedOut`] if the far end does not read.
-    fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
-}
 
 /// Suggestion for a name that looks like an address of TCP; empty for others.
 fn tcp_hint(address: &Address) -> String {
@@ -196,15 +176,11 @@ fn classify_serial(address: &Address, error: &serialport::Error) -> OpenError {
     }
 }
 
-/// Returns the error of a link that the far end closed.
-pub(crate) fn closed() -> io::Error {
-    io::Error::new(io::ErrorKind::UnexpectedEof, "closed by the far end")
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::Listener;
+    use std::time::Duration;
 
     fn refusal(address: &str) -> OpenError {
         match open(&address.parse().unwrap(), 115_200) {
