@@ -1,7 +1,13 @@
-//! Account of a job that outlives its host: with it another one goes on.
+//! Place on a job, and its account that outlives its host: with it another one goes on.
 
-use crate::{JobClient, JobPlace};
-use trirrr_protocol::message::Transmit;
+/// Place on the path of a job.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub struct JobPlace {
+    /// Index of the move, counted from 0,
+    pub index: u32,
+    /// and its tick.
+    pub at: u32,
+}
 
 /// Part of a job that a machine has: items that it had taken, and the number of the first move, once the machine had the name of the job.
 pub type BegunJob = (u32, Option<u32>);
@@ -43,18 +49,5 @@ impl JobMark {
     pub fn begun(&self) -> Option<BegunJob> {
         let is_begun = self.taken > 0 || self.first_move.is_some();
         is_begun.then_some((self.taken, self.first_move))
-    }
-
-    /// Takes in what `client` knows. `place` tells the place on the whole job of one on the moves of the client.
-    pub fn note<N: Transmit>(
-        &mut self,
-        client: &JobClient<N>,
-        place: impl Fn(JobPlace) -> JobPlace,
-    ) {
-        // A client that has not found the job knows less than the mark.
-        if let Some(first_move) = client.first_move() {
-            (self.taken, self.first_move) = (client.offered(), Some(first_move));
-            self.reached = self.reached.max(place(client.reached()));
-        }
     }
 }

@@ -5,20 +5,12 @@
 //! motion in which it would have passed it. There the tool goes on.
 
 use crate::job_client::JobWork;
+use crate::job_mark::JobPlace;
 use core::convert::Infallible;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Ends, Quintics, Segment};
 use trirrr_protocol::message::{AnyMove, LEVEL_PARTS, LevelRange, Move, Transmit};
 use trirrr_scene::{JobLevels, JobOutputs};
-
-/// Place on the path of a job.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
-pub struct JobPlace {
-    /// Index of the move, counted from 0,
-    pub index: u32,
-    /// and its tick.
-    pub at: u32,
-}
 
 /// Moves that play a job from a place on.
 #[derive(Clone, Debug, PartialEq)]

@@ -15,7 +15,7 @@ use crate::dialogue::{Dialogue, Turn};
 use crate::exchange::{Exchange, Patience};
 use crate::user_commands::{UserCommand, UserCommands};
 use crate::wake::{Clears, Wake};
-use crate::{BegunJob, JobFailure, JobPlace};
+use crate::{BegunJob, JobFailure, JobMark, JobPlace};
 use phase::{Next, Phase};
 use progress::JobProgress;
 use schedule::Schedule;
@@ -442,3 +442,18 @@ impl<N: Transmit> Dialogue<N> for JobClient<N> {
 
 #[cfg(test)]
 mod tests;
+
+impl JobMark {
+    /// Takes in what `client` knows. `place` tells the place on the whole job of one on the moves of the client.
+    pub fn note<N: Transmit>(
+        &mut self,
+        client: &JobClient<N>,
+        place: impl Fn(JobPlace) -> JobPlace,
+    ) {
+        // A client that has not found the job knows less than the mark.
+        if let Some(first_move) = client.first_move() {
+            (self.taken, self.first_move) = (client.offered(), Some(first_move));
+            self.reached = self.reached.max(place(client.reached()));
+        }
+    }
+}
