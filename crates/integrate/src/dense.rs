@@ -88,7 +88,7 @@ impl<const N: usize> Dense<N> {
                 self.sum(theta + bow * (2.0 * theta - 1.0), weights)
             }
             Interpolant::RadauIia => {
-                let [c1, c2, c3] = crate::radau::NODES;
+                let [c1, c2, c3] = RADAU_NODES;
                 // Lagrange polynomials over the nodes 0, c1, c2, c3.
                 let basis = |node: f64, other: f64, third: f64| {
                     theta * (theta - other) * (theta - third)
@@ -114,6 +114,10 @@ impl<const N: usize> Dense<N> {
     }
 }
 
+/// sqrt(6)
+pub(crate) const SQRT_6: f64 = 2.449_489_742_783_178;
+/// Instants of the stages of Radau IIA within a step.
+pub(crate) const RADAU_NODES: [f64; 3] = [(4.0 - SQRT_6) / 10.0, (4.0 + SQRT_6) / 10.0, 1.0];
 /// Weights of the stages in the highest coefficient of Dormand and Prince's dense output
 /// (Hairer, Norsett, Wanner, *Solving Ordinary Differential Equations I*, II.6, and DOPRI5).
 const DORMAND_PRINCE: [f64; 7] = [

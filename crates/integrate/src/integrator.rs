@@ -10,22 +10,10 @@ use crate::semi_implicit_euler::SemiImplicitEuler;
 use crate::stepper::{Change, Stepper};
 use crate::system::{Action, System};
 use crate::tally::Tally;
-use crate::walk::StepLoop;
+use crate::walk::{End, StepLoop};
 
 /// Steps allowed, accepted or not, where nothing else is chosen: a minute or so.
 const BUDGET: u64 = 50_000_000;
-
-/// End of a stretch of time.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum End {
-    /// At its end.
-    Reached,
-    /// Earlier, at the time `t` in s, because an event or a sample said so.
-    Stopped {
-        /// Time in s.
-        t: f64,
-    },
-}
 
 /// A method with all that it keeps from step to step. Everything is allocated when it is made.
 #[derive(Clone, Debug)]

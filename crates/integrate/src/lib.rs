@@ -41,8 +41,9 @@ mod walk;
 
 pub use dense::Dense;
 pub use failure::{Failure, Reason, Unfit};
-pub use integrator::{End, Integrator};
+pub use integrator::Integrator;
 pub use method::Method;
 pub use stability::Spectrum;
 pub use system::{Action, Direction, Matrix, System};
 pub use tally::Tally;
+pub use walk::End;

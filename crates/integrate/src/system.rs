@@ -39,7 +39,8 @@ pub trait System<const N: usize> {
         y: &[f64; N],
         jacobian: &mut Matrix<N>,
     ) -> Result<(), Self::Refusal> {
-        jacobian::central(self, t, y, jacobian)
+        let derivative = |t, y: &_, dy: &mut _| self.derivative(t, y, dy);
+        jacobian::central(derivative, &self.scales(), t, y, jacobian)
     }
 
     /// Pairs (position, velocity) of state variables with `y'[position] = y[velocity]` exactly.

@@ -3,12 +3,23 @@
 use crate::dense::{Dense, Interpolant};
 use crate::events::Watch;
 use crate::failure::Failure;
-use crate::integrator::End;
 use crate::method::Method;
 use crate::stability;
 use crate::stepper::{Change, Stepper};
 use crate::system::{Action, System};
 use crate::tally::Tally;
+
+/// End of a stretch of time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum End {
+    /// At its end.
+    Reached,
+    /// Earlier, at the time `t` in s, because an event or a sample said so.
+    Stopped {
+        /// Time in s.
+        t: f64,
+    },
+}
 
 /// A state variable that exceeds its scale by this factor has diverged.
 const BOUND: f64 = 1e12;

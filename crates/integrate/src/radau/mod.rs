@@ -5,14 +5,13 @@ mod newton;
 mod tableau;
 
 use crate::control::{first_step, fit};
-use crate::dense::{Dense, Interpolant};
+use crate::dense::{Dense, Interpolant, RADAU_NODES};
 use crate::failure::{Failure, Reason};
 use crate::stepper::{Change, Stepper, shortest_step};
 use crate::system::System;
 use crate::tally::Tally;
 use newton::{ITERATIONS, Iterated, Newton};
 use tableau::ESTIMATE;
-pub(crate) use tableau::NODES;
 
 const SAFETY: f64 = 0.9;
 /// The step changes at most by these factors at once.
@@ -148,7 +147,7 @@ impl<const N: usize> Stepper<N> for RadauIia<N> {
                 self.jacobian_fresh = true;
             }
             let mut stages = match &before {
-                Some(before) if !rejected => NODES.map(|node| {
+                Some(before) if !rejected => RADAU_NODES.map(|node| {
                     let ahead = before.at(t + node * h);
                     std::array::from_fn(|i| ahead[i] - y[i])
                 }),
@@ -220,7 +219,7 @@ impl<const N: usize> Stepper<N> for RadauIia<N> {
         tally: &mut Tally,
     ) -> bool {
         let h = end - dense.t0;
-        let mut stages = NODES.map(|node| {
+        let mut stages = RADAU_NODES.map(|node| {
             let ahead = dense.at(dense.t0 + node * h);
             std::array::from_fn(|i| ahead[i] - dense.y0[i])
         });

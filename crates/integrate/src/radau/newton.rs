@@ -1,7 +1,8 @@
 //! The implicit equations of a step, solved by simplified Newton iteration.
 
-use super::tableau::{COMPLEX, JOIN, NODES, REAL, SPLIT};
+use super::tableau::{COMPLEX, JOIN, REAL, SPLIT};
 use crate::control::norm;
+use crate::dense::RADAU_NODES;
 use crate::failure::Reason;
 use crate::linear::Factors;
 use crate::system::{Matrix, System};
@@ -136,7 +137,7 @@ impl<const N: usize> Newton<N> {
         let mut missing = 1.0;
         for iteration in 1..=ITERATIONS {
             let mut slopes = [[0.0; N]; 3];
-            for ((slope, stage), node) in slopes.iter_mut().zip(&*stages).zip(NODES) {
+            for ((slope, stage), node) in slopes.iter_mut().zip(&*stages).zip(RADAU_NODES) {
                 let at: [f64; N] = std::array::from_fn(|i| y[i] + stage[i]);
                 tally.derivatives += 1;
                 if let Err(refusal) = system.derivative(t + node * h, &at, slope) {

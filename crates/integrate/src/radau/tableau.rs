@@ -1,12 +1,9 @@
 //! The numbers of the method (Hairer and Wanner, *Solving Ordinary Differential Equations II*, IV.8).
 
+use crate::dense::SQRT_6;
 use crate::system::Matrix;
 use nalgebra::Complex;
 
-/// sqrt(6)
-const SQRT_6: f64 = 2.449_489_742_783_178;
-/// Instants of the stages within a step.
-pub(crate) const NODES: [f64; 3] = [(4.0 - SQRT_6) / 10.0, (4.0 + SQRT_6) / 10.0, 1.0];
 /// Weights of the stages in the estimate of the error.
 pub(super) const ESTIMATE: [f64; 3] = [
     -(13.0 + 7.0 * SQRT_6) / 3.0,
