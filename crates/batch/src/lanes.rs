@@ -4,11 +4,15 @@
 //! true if it is true in every lane. The tick refuses where a comparison is false. So it has a motion if all lanes have
 //! one; a status of some lanes asks for an evaluation lane by lane.
 
-use crate::states::Float;
 use std::cmp::Ordering;
 use std::ops::{Add, AddAssign, Mul, MulAssign, Neg, Sub, SubAssign};
 use trirrr_core::number::{Arithmetic, RoundsEachStep};
 use trirrr_core::to_source;
+
+/// A number type of slices: `f64` or `f32`.
+pub trait Float: RoundsEachStep<Angle = Self> {}
+
+impl<F: RoundsEachStep<Angle = F>> Float for F {}
 
 /// Number of values.
 pub(crate) const LANES: usize = 4;

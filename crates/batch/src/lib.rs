@@ -12,5 +12,6 @@ mod states;
 #[cfg(feature = "table")]
 pub mod table;
 
+pub use lanes::Float;
 pub use reactions::{BatchReactions, ReactionRow};
-pub use states::{BatchMachine, DistanceRow, FailedRow, Float, LengthError, MotorRows, StateRows};
+pub use states::{BatchMachine, DistanceRow, FailedRow, LengthError, MotorRows, StateRows};

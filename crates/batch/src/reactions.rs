@@ -1,6 +1,7 @@
 //! Forces in the nine joints, of slices of states.
 
-use crate::states::{FailedRow, Float, LengthError, StateRows, check_length, each_row};
+use crate::lanes::Float;
+use crate::states::{FailedRow, LengthError, StateRows, check_length, each_row};
 use trirrr_core::machine::{BuildError, Parameters};
 use trirrr_core::model::{Model, ModelKind, ModelVisitor, OfKind};
 use trirrr_core::reaction::Reactions;

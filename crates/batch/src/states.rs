@@ -3,13 +3,12 @@
 //! Rows of three numbers lie one behind the other, as in a C-contiguous array of shape (n, 3): an array of numpy is
 //! such a slice without a copy.
 
-use crate::lanes::{LANES, Lanes};
+use crate::lanes::{Float, LANES, Lanes};
 use multiversion::multiversion;
 use nalgebra::{Vector2, Vector3};
 use rayon::prelude::*;
 use trirrr_core::machine::{BuildError, Geometry, Parameters};
 use trirrr_core::model::{Model, ModelKind, ModelVisitor, OfKind};
-use trirrr_core::number::RoundsEachStep;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::singularity::Distances;
 use trirrr_core::status::Status;
@@ -17,11 +16,6 @@ use trirrr_core::tick::{Motor, Tick};
 
 /// Rows that a thread takes at once.
 const CHUNK: usize = 1 << 12;
-
-/// A number type of slices: `f64` or `f32`.
-pub trait Float: RoundsEachStep<Angle = Self> {}
-
-impl<F: RoundsEachStep<Angle = F>> Float for F {}
 
 /// States of the platform, one a row, SI units.
 #[derive(Clone, Copy, Debug)]

@@ -1,8 +1,8 @@
 //! CSV: bytes cut into chunks of whole records, and results as lines.
 
-use super::rows::{Chunk, Evaluated};
+use super::rows::{Chunk, Evaluated, reader};
 use super::{Sink, Source, TableError};
-use csv::{ByteRecord, Reader, ReaderBuilder};
+use csv::ByteRecord;
 use std::io::{Read, Write};
 use trirrr_scene::record::RESULT_COLUMNS;
 
@@ -17,12 +17,6 @@ pub(super) struct CsvSource<R> {
     /// Bytes that were read and not yet handed out, from a record's start on.
     pending: Vec<u8>,
     has_ended: bool,
-}
-
-/// Returns a reader of records. A row that is too short or too long spoils itself only.
-pub(super) fn reader(bytes: &[u8]) -> Reader<&[u8]> {
-    let mut builder = ReaderBuilder::new();
-    builder.has_headers(false).flexible(true).from_reader(bytes)
 }
 
 impl<R: Read> CsvSource<R> {

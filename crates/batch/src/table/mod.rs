@@ -4,6 +4,7 @@
 //! and the next one is read. Memory depends on the number of threads and on the longest row or Arrow batch, not on the number of rows.
 
 mod arrow;
+mod arrow_rows;
 mod csv;
 mod error;
 mod format;

@@ -1,7 +1,7 @@
 //! Evaluation of the rows of one chunk.
 
-use super::arrow::{ArrowRow, ArrowRows};
-use csv::ByteRecord;
+use super::arrow_rows::{ArrowRow, ArrowRows};
+use csv::{ByteRecord, Reader, ReaderBuilder};
 use trirrr_core::machine::Parameters;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Pose, Setpoint};
@@ -29,6 +29,12 @@ pub(super) struct Evaluated {
     pub(super) outcomes: Vec<Outcome>,
 }
 
+/// Returns a reader of records. A row that is too short or too long spoils itself only.
+pub(super) fn reader(bytes: &[u8]) -> Reader<&[u8]> {
+    let mut builder = ReaderBuilder::new();
+    builder.has_headers(false).flexible(true).from_reader(bytes)
+}
+
 impl Chunk {
     /// Evaluates the rows in the number type `N`.
     pub(super) fn evaluate<N: Number>(self, columns: &Columns) -> Evaluated {
@@ -37,7 +43,7 @@ impl Chunk {
         let labels = match self {
             Chunk::Csv(bytes) => {
                 let mut labels = columns.label_index().map(|_| ByteRecord::new());
-                let mut reader = super::csv::reader(&bytes);
+                let mut reader = reader(&bytes);
                 let mut row = ByteRecord::new();
                 // Reading memory does not fail.
                 while reader.read_byte_record(&mut row).unwrap_or(false) {
