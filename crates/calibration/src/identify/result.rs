@@ -1,11 +1,16 @@
 //! Settings, refusals and result of an identification.
 
 use super::bodies::{BODY_COUNT, BodyGroup, BodyVector};
-use super::solve::{LEAST_EQUATIONS, LEAST_SAMPLES};
 use crate::columns::ColumnFault;
 use crate::sight::LEAST_RATIO;
 use nalgebra::{DMatrix, DVector};
 use std::fmt;
+
+/// Samples without which nothing is identified.
+pub(super) const LEAST_SAMPLES: usize = 50;
+
+/// Equations without which nothing is identified.
+pub(super) const LEAST_EQUATIONS: usize = 60;
 
 /// Settings of an identification.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,17 +6,14 @@ use super::expected::scales;
 use super::linear::LinearProblem;
 use super::motion::{period_of, poses, smooth};
 use super::regressor::UnitMachines;
-use super::result::{ExplainedTorque, Identification, IdentificationRefusal, IdentificationSetup};
+use super::result::{
+    ExplainedTorque, Identification, IdentificationRefusal, IdentificationSetup, LEAST_EQUATIONS,
+    LEAST_SAMPLES,
+};
 use super::telemetry::JointSample;
 use super::units::wrong_factor;
 use crate::parameter::KinematicVector;
 use trirrr_core::machine::Parameters;
-
-/// Samples without which nothing is identified.
-pub(super) const LEAST_SAMPLES: usize = 50;
-
-/// Equations without which nothing is identified.
-pub(super) const LEAST_EQUATIONS: usize = 60;
 
 /// Width of the filter, in usual distances of samples.
 const WIDTH: f64 = 6.0;
