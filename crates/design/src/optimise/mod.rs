@@ -6,6 +6,7 @@
 
 mod appraise;
 mod front;
+mod plan;
 mod scene_file;
 mod search;
 mod shortfall;
@@ -14,8 +15,9 @@ mod swarm;
 
 pub use appraise::{Appraisal, CandidateFault, MapSettings, StudyScene};
 pub use front::{best, front, knee};
+pub use plan::{SearchPlan, SearchWatch};
 pub use scene_file::{EditedScene, own_value, with_values};
-pub use search::{SearchPlan, SearchWatch, search};
+pub use search::search;
 pub use space::{DesignPoint, DesignSpace, SpaceRange, StudyMode, VariedKey};
 
 use serde::{Deserialize, Serialize};

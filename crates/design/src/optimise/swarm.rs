@@ -1,6 +1,7 @@
 //! Swarms and simplices over a space, on argmin's solvers; and the log that they share.
 
-use super::{Appraisal, DesignPoint, Objective, SearchPlan, SearchWatch, StudyMode};
+use super::plan::{SearchPlan, SearchWatch};
+use super::{Appraisal, DesignPoint, Objective, StudyMode};
 use argmin::core::PopulationState;
 use argmin::core::{
     CostFunction, Error, IterState, Problem, SendAlias, Solver, State, SyncAlias, TerminationStatus,
