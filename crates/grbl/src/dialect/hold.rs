@@ -1,7 +1,6 @@
 //! Holds: the program stands, and nothing is handed to the machine.
 
 use super::Dialect;
-use super::wait::Wait;
 use crate::state::{DoorState, State};
 use crate::view::{MachineAct, MachinePhase, MachineView};
 use std::time::Duration;
@@ -64,8 +63,8 @@ impl Dialect {
 
     /// Lets the time of stands and waits not pass in a hold.
     pub(super) fn stand_still(&mut self, passed: Duration) {
-        if let Some(Wait::Until(end) | Wait::Level(_, end)) = &mut self.wait {
-            *end = end.saturating_add(passed);
+        if let Some(wait) = &mut self.wait {
+            wait.put_off(passed);
         }
     }
 

@@ -32,6 +32,15 @@ pub(super) enum Wait {
     Probe { must: bool },
 }
 
+impl Wait {
+    /// Ends later by `by`, if it ends at a time.
+    pub(super) fn put_off(&mut self, by: Duration) {
+        if let Self::Until(end) | Self::Level(_, end) = self {
+            *end = end.saturating_add(by);
+        }
+    }
+}
+
 impl Dialect {
     /// Returns true if lines are carried out. In a hold nothing ends that would hand something over, or let time pass.
     pub(super) fn wait_is_over(&mut self, view: &MachineView, is_empty: bool) -> bool {
