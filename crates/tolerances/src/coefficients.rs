@@ -1,6 +1,5 @@
-//! BoxCoefficients over the box of the tolerances.
+//! Coefficients over the box of the tolerances.
 
-use crate::machine::{AnyModel, UncertainLeg};
 use crate::model::BoxModel;
 use crate::parameter::{HalfWidths, OfLeg, OfPlatform, Parameter};
 use nalgebra::Vector2;
@@ -12,6 +11,26 @@ use trirrr_core::tick::Tick;
 use trirrr_core::torque::balance::Balance;
 use trirrr_core::torque::links::{InPlane, Massive, MassiveLeg};
 use trirrr_core::torque::payload::Offset;
+
+/// The model that has room for every machine.
+pub(crate) type AnyModel =
+    Dynamic<BoxModel, Offset<BoxModel>, Massive<BoxModel, InPlane<BoxModel>>>;
+
+/// By how much a leg differs from the nominal one.
+pub(crate) struct UncertainLeg {
+    /// Base joint.
+    pub(crate) base: Vector2<BoxModel>,
+    /// Platform joint, in the platform's frame.
+    pub(crate) joint: Vector2<BoxModel>,
+    /// Length of the proximal link, relative to the nominal one.
+    pub(crate) stretch: BoxModel,
+    /// Angle of the motor.
+    pub(crate) angle: BoxModel,
+    /// (l2^2 - nominal l2^2) / 2.
+    pub(crate) half_distal_sq: BoxModel,
+    /// 1 / l2^2.
+    pub(crate) inverse_distal_sq: BoxModel,
+}
 
 /// Writes the coefficients over the box. The core's own `build` has them from exact parameters.
 pub(crate) struct BoxCoefficients<'a> {

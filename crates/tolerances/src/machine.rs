@@ -1,23 +1,16 @@
 //! The machine that was commanded, and the machine that is there.
 
-use crate::coefficients::BoxCoefficients;
+use crate::coefficients::{AnyModel, BoxCoefficients, UncertainLeg};
 use crate::model::BoxModel;
 use crate::parameter::HalfWidths;
 use nalgebra::{Vector2, Vector3};
 use trirrr_core::dyad::{Accelerations, DyadPosition, Rates};
 use trirrr_core::inverse::{LegMotion, LegPosition, Rotation};
 use trirrr_core::machine::{BuildError, Geometry, Parameters};
-use trirrr_core::model::Dynamic;
 use trirrr_core::number::{Arithmetic, WideArithmetic, cross, dot, perpendicular};
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_core::status::Status;
 use trirrr_core::tick::Tick;
-use trirrr_core::torque::links::{InPlane, Massive};
-use trirrr_core::torque::payload::Offset;
-
-/// The model that has room for every machine.
-pub(crate) type AnyModel =
-    Dynamic<BoxModel, Offset<BoxModel>, Massive<BoxModel, InPlane<BoxModel>>>;
 
 /// The machine of a scene with its tolerances.
 pub(crate) struct UncertainMachine {
@@ -25,22 +18,6 @@ pub(crate) struct UncertainMachine {
     legs: [UncertainLeg; 3],
     /// The core's pipeline with every coefficient over the box.
     tick: Tick<AnyModel>,
-}
-
-/// By how much a leg differs from the nominal one.
-pub(crate) struct UncertainLeg {
-    /// Base joint.
-    pub(crate) base: Vector2<BoxModel>,
-    /// Platform joint, in the platform's frame.
-    pub(crate) joint: Vector2<BoxModel>,
-    /// Length of the proximal link, relative to the nominal one.
-    pub(crate) stretch: BoxModel,
-    /// Angle of the motor.
-    pub(crate) angle: BoxModel,
-    /// (l2^2 - nominal l2^2) / 2.
-    pub(crate) half_distal_sq: BoxModel,
-    /// 1 / l2^2.
-    pub(crate) inverse_distal_sq: BoxModel,
 }
 
 /// A leg as it is commanded.
