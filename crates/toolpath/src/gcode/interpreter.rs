@@ -4,15 +4,12 @@ use super::codes::ProgramEnd;
 use super::frames::WorkFrames;
 use super::modal::Modal;
 use super::refusal::{GcodeRefusal, RefusalKind, refusal};
-use super::run::LineRun;
-use super::setup::GcodeSetup;
+use super::run::{LineRun, NO_MOTION};
+use super::setup::{FixedSetup, GcodeSetup};
+use super::state::GcodeState;
 use super::text::{LineKind, plain};
 use super::words;
 use crate::{Element, ToolPlace};
-
-/// Reason to refuse an output that waits for a motion which does not come.
-pub(super) const NO_MOTION: &str =
-    "no motion follows with which the output would change; M64 and M65 change it at once";
 
 /// Interpreter of G-code, line by line.
 #[derive(Clone, Debug)]
@@ -21,29 +18,6 @@ pub struct Interpreter {
     state: GcodeState,
     /// Words of the line under way. Kept between lines for its memory alone.
     scratch: String,
-}
-
-/// Part of the setup that no line changes.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct FixedSetup {
-    pub(super) full_power: f64,
-    pub(super) home: Option<ToolPlace>,
-    pub(super) ignore_z: bool,
-    pub(super) outputs: u8,
-    pub(super) inputs: u8,
-}
-
-/// Everything that a line may change.
-#[derive(Clone, Debug)]
-pub(super) struct GcodeState {
-    pub(super) modal: Modal,
-    pub(super) frames: WorkFrames,
-    /// Place of the path in the fixed frame.
-    pub(super) place: ToolPlace,
-    /// Words came since the start or the last end of a program.
-    pub(super) begun: bool,
-    /// Line of an M62 or M63 that waits for a motion.
-    pub(super) waiting: Option<u32>,
 }
 
 /// Demands of a line.

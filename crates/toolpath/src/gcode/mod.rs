@@ -19,6 +19,7 @@ mod motion;
 mod refusal;
 mod run;
 mod setup;
+mod state;
 mod text;
 mod uses;
 mod words;

@@ -1,10 +1,15 @@
 //! One block, carried out on a copy of the state.
 use super::block::{Block, ValueWord};
 use super::codes::{GeneralCode, MiscCode, OnceCode, ProgramEnd};
-use super::interpreter::{FixedSetup, GcodeState, NO_MOTION};
 use super::modal::{FeedMode, LaserMode, Modal, MotionMode, PathMode};
 use super::refusal::{GcodeRefusal, RefusalKind, refusal};
+use super::setup::FixedSetup;
+use super::state::GcodeState;
 use crate::{Act, Element, InputAct, InputChange, OutputAct, ToolPlace, ToolWork};
+
+/// Reason to refuse an output that waits for a motion which does not come.
+pub(super) const NO_MOTION: &str =
+    "no motion follows with which the output would change; M64 and M65 change it at once";
 
 /// M62 to M65 of a block.
 #[derive(Clone, Copy)]

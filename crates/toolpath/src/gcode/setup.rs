@@ -37,3 +37,13 @@ impl Default for GcodeSetup {
         }
     }
 }
+
+/// Part of the setup that no line changes.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FixedSetup {
+    pub(super) full_power: f64,
+    pub(super) home: Option<ToolPlace>,
+    pub(super) ignore_z: bool,
+    pub(super) outputs: u8,
+    pub(super) inputs: u8,
+}
