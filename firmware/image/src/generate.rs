@@ -11,7 +11,7 @@ mod tool;
 
 pub use drive::{DriveError, drive, kind, slots_hz};
 pub use over_line::BoardScene;
-pub use source::{source, units};
+pub use source::source;
 pub use tool::tool_kind;
 
 use crate::board::Needs;
@@ -19,7 +19,8 @@ use crate::ram;
 use std::error::Error;
 use std::path::{Path, PathBuf};
 use std::{env, fs};
-use trirrr_scene::{NumberType, Scene, is_board_file, visible};
+use trirrr_core::units::Units;
+use trirrr_scene::{NumberType, RangeError, Scene, is_board_file, units_of_scene, visible};
 
 /// Number types of images: name in scenes and tables, and Rust type.
 pub const SCALARS: &[(&str, &str)] = &[
@@ -40,6 +41,17 @@ pub fn of_scene(number: NumberType) -> &'static str {
         NumberType::F64 | NumberType::F32 => "f32",
         NumberType::Fixed => "fixed",
         NumberType::Micromath => "micromath",
+    }
+}
+
+/// The units of an image for the Rust type `scalar`.
+///
+/// # Errors
+/// A quantity that does not fit the number type.
+pub fn units(scene: &Scene, scalar: &str) -> Result<Units, RangeError> {
+    match scalar == FIXED {
+        true => units_of_scene(scene),
+        false => Ok(Units::SI),
     }
 }
 

@@ -9,10 +9,9 @@ use std::fmt::Write;
 use trirrr_core::machine::Geometry;
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_core::setpoint::Pose;
-use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::{Section, SectionName};
 use trirrr_protocol::wire::schema::longest;
-use trirrr_scene::{NormalContact, RangeError, Scene, offer, units_of_scene};
+use trirrr_scene::{NormalContact, Scene, offer};
 use trirrr_service::{
     ContactCoefficients, FeedbackCoefficients, HomingCoefficients, SceneValues, ServiceNumber,
     Settings, key,
@@ -191,17 +190,6 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     let moves_type = format!("[trirrr_image::Move; {}]", job.moves.len());
     file.global("MOVES", &moves_type, moves);
     Ok(file.0)
-}
-
-/// The units of an image for the Rust type `scalar`.
-///
-/// # Errors
-/// A quantity that does not fit the number type.
-pub fn units(scene: &Scene, scalar: &str) -> Result<Units, RangeError> {
-    match scalar == FIXED {
-        true => units_of_scene(scene),
-        false => Ok(Units::SI),
-    }
 }
 
 /// The parts of the scene, as the bytes that they are sent as.
