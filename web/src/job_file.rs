@@ -1,6 +1,6 @@
 //! Jobs in files of their own, on the machine of a scene.
 
-use crate::Reading;
+use crate::reading::{DrawnPath, Reading};
 use trirrr_core::setpoint::Pose;
 use trirrr_jobs::{
     DrawingOptions, JobOptions, JobRefusal, ReadJob, breach, drawing_job, gcode_job, job_scene,
@@ -115,19 +115,28 @@ impl GivenDrawing {
     }
 }
 
-/// Path of a file, as it is drawn.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct DrawnPath {
-    /// Points of D, x and y in turns, m.
-    pub(crate) points: Vec<f64>,
-    /// Place at which the path has no plan.
-    pub(crate) breach: Option<[f64; 2]>,
-    /// Place and scale that were found, as arguments; warnings of stops for the user.
-    pub(crate) notes: Vec<String>,
+#[wasm_bindgen]
+impl Reading {
+    /// Reads the job in `text`, G-code, or the `drawing` that was read from it, for the machine of this scene, as
+    /// `trirrr run FILE --machine SCENE` does. Problems of the answer stand in the lines of that file.
+    ///
+    /// # Errors
+    /// The scene is refused, or was read as a draft.
+    #[wasm_bindgen(js_name = withJob)]
+    pub fn with_job(
+        &self,
+        text: &str,
+        file: &str,
+        inputs: &JobInputs,
+        drawing: Option<GivenDrawing>,
+    ) -> Result<Self, String> {
+        let scene = self.good()?;
+        Ok(plan(scene, text, file, inputs, drawing))
+    }
 }
 
 /// Reads and plans the job in `text`, or in `drawing`, for the machine of `machine`.
-pub(crate) fn plan(
+fn plan(
     machine: &Scene,
     text: &str,
     file: &str,

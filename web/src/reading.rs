@@ -1,7 +1,6 @@
 //! The text of a scene, checked.
 
-use crate::job_file::{self, DrawnPath, GivenDrawing};
-use crate::{JobInputs, JobMode, Machine, PlayedJob, SimulatedPlant};
+use crate::{JobMode, Machine, PlayedJob, SimulatedPlant};
 use std::path::Path;
 use trirrr_jobs::JobRefusal;
 use trirrr_scene::read::machine_file_of;
@@ -51,6 +50,17 @@ fn machine_line(text: &str) -> u32 {
     text.lines()
         .position(names)
         .map_or(1, |line| line as u32 + 1)
+}
+
+/// Path of a file, as it is drawn.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct DrawnPath {
+    /// Points of D, x and y in turns, m.
+    pub(crate) points: Vec<f64>,
+    /// Place at which the path has no plan.
+    pub(crate) breach: Option<[f64; 2]>,
+    /// Place and scale that were found, as arguments; warnings of stops for the user.
+    pub(crate) notes: Vec<String>,
 }
 
 /// A text that was read as a scene.
@@ -120,23 +130,6 @@ impl Reading {
             scene,
             drawn: DrawnPath::default(),
         }
-    }
-
-    /// Reads the job in `text`, G-code, or the `drawing` that was read from it, for the machine of this scene, as
-    /// `trirrr run FILE --machine SCENE` does. Problems of the answer stand in the lines of that file.
-    ///
-    /// # Errors
-    /// The scene is refused, or was read as a draft.
-    #[wasm_bindgen(js_name = withJob)]
-    pub fn with_job(
-        &self,
-        text: &str,
-        file: &str,
-        inputs: &JobInputs,
-        drawing: Option<GivenDrawing>,
-    ) -> Result<Self, String> {
-        let scene = self.good()?;
-        Ok(job_file::plan(scene, text, file, inputs, drawing))
     }
 
     /// A scene that is good, with the path of its file if the job has one.
