@@ -1,11 +1,13 @@
 //! Drawing of the mechanism for the 3D panel: links as lines, the platform as a triangle, joints as balls.
 
-use crate::topics::WORLD;
 use foxglove::messages::{
     Color, LinePrimitive, Point3, Pose, Quaternion, SceneEntity, SceneUpdate, SpherePrimitive,
     Timestamp, Vector3, line_primitive,
 };
 use trirrr_scene::record::{LegRecord, Record};
+
+/// Frame of the machine's base.
+pub(crate) const WORLD: &str = "world";
 
 /// Thickness of a line, px.
 const THICKNESS_PX: f64 = 4.0;

@@ -1,6 +1,6 @@
 //! Topics of a machine: tables as JSON with a schema that says the units, and Foxglove's own messages for the 3D panel and the log.
 
-use crate::drawing;
+use crate::drawing::{self, WORLD};
 use crate::error::FoxgloveError;
 use foxglove::messages::{FrameTransform, Log, Quaternion, SceneUpdate, Timestamp, Vector3, log};
 use foxglove::{Channel, Context, PartialMetadata, RawChannel, Schema};
@@ -8,9 +8,6 @@ use serde_json::{Value, json};
 use std::sync::Arc;
 use trirrr_client::drive_records::DriveRecord;
 use trirrr_scene::record::Record;
-
-/// Frame of the machine's base.
-pub(crate) const WORLD: &str = "world";
 
 /// Frame of the platform, at D.
 pub(crate) const PLATFORM: &str = "platform";
