@@ -40,8 +40,3 @@ fn measure(
     println!("{file} for {board}: {flash} bytes of flash, {ram} of RAM, {stack} of stack at most");
     Ok((scene, read))
 }
-
-/// Returns true if `scene` is the one that the RP2040's image is measured with.
-pub(crate) fn is_for_rp2040(scene: &SceneFile) -> bool {
-    scene.path.ends_with(RP2040_SCENE)
-}

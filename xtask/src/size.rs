@@ -5,12 +5,11 @@
 //! of the firmware are looked through for what its scene has no use for, and its code for how deep the
 //! stack gets and whether an interrupt may panic.
 
-use crate::boards::FIRMWARE_TARGET;
+use crate::boards::{FIRMWARE_TARGET, RP2040_SCENE};
 use crate::budget::{BudgetRow, Ceiling, Options, hold_ceilings};
 use crate::callgraph;
 use crate::elf::{Footprint, check_boot, footprint, with_elf};
 use crate::image::Image;
-use crate::other_boards;
 use crate::parallel;
 use crate::repository::SceneFile;
 use crate::symbols;
@@ -90,7 +89,7 @@ fn measure(
     }
     let own = of_scene(read.number);
     let mut boards = vec![Image::firmware(scene, own)];
-    if other_boards::is_for_rp2040(scene) {
+    if scene.path.ends_with(RP2040_SCENE) {
         boards.push(Image::rp2040(scene, own));
     }
     for image in boards {

@@ -1,7 +1,7 @@
 //! Loads and stores of 32 bits (ARMv7-M Architecture Reference Manual, A5.3.5 to A5.3.10, A6.5).
 
+use super::fields::{beside, field, register};
 use super::instruction::{Flow, Instruction, PC, Register, Registers, SP, Stack, Value};
-use super::thumb::{beside, field, register};
 
 /// Changes `base` by `offset` if it `writes` it back, besides what `instruction` does.
 fn with_base(instruction: Instruction, base: Register, writes: bool, offset: i32) -> Instruction {

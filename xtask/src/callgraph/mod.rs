@@ -26,6 +26,7 @@
 mod condition;
 #[cfg(test)]
 mod encodings;
+pub(crate) mod fields;
 mod graph;
 pub(crate) mod instruction;
 mod memory;

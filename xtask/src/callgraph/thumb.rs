@@ -1,5 +1,6 @@
 //! Thumb instructions of 16 bits (ARMv7-M Architecture Reference Manual, A5.2).
 
+use super::fields::{ahead, beside, field, register, signed};
 use super::instruction::{Flow, Instruction, PC, Register, Registers, SP, Stack, Value};
 use super::wide;
 
@@ -12,35 +13,9 @@ pub(crate) fn decode(address: u32, first: u16, second: Option<u16>) -> Option<In
     }
 }
 
-/// `bits` of them from `word` at `shift`.
-pub(crate) fn field(word: u16, shift: u32, bits: u32) -> u16 {
-    (word >> shift) & ((1 << bits) - 1)
-}
-
-/// The same as a register's number.
-pub(crate) fn register(word: u16, shift: u32) -> Register {
-    field(word, shift, 4) as Register
-}
-
 /// A number of three bits.
 fn low(word: u16, shift: u32) -> Register {
     field(word, shift, 3) as Register
-}
-
-/// The lower `bits` of `value`, with their sign.
-pub(crate) fn signed(value: u32, bits: u32) -> i32 {
-    let unused = 32 - bits;
-    ((value << unused) as i32) >> unused
-}
-
-/// Returns what an instruction at `address` sees as pc, plus `offset`, for a branch.
-pub(crate) fn ahead(address: u32, offset: i32) -> u32 {
-    address.wrapping_add(4).wrapping_add_signed(offset)
-}
-
-/// The same where it is aligned, for what it loads.
-pub(crate) fn beside(address: u32, offset: i32) -> u32 {
-    (address.wrapping_add(4) & !3).wrapping_add_signed(offset)
 }
 
 fn narrow(address: u32, word: u16) -> Option<Instruction> {

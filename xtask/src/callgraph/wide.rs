@@ -1,8 +1,8 @@
 //! Thumb instructions of 32 bits (ARMv7-M Architecture Reference Manual, A5.3, and with floating point A6).
 
+use super::fields::{ahead, beside, field, register, signed};
 use super::instruction::{Flow, Instruction, PC, Register, Registers, SP, Stack, Value};
 use super::memory;
-use super::thumb::{ahead, beside, field, register, signed};
 
 pub(super) fn decode(address: u32, first: u16, second: u16) -> Option<Instruction> {
     // Coprocessors, of which floating point is one, with and without the bit that tells `mcr2`.

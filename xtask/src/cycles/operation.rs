@@ -3,8 +3,9 @@
 //! Control flow and length come from the decoder of the call graph; this file adds the kinds of
 //! operations, the memory that they access and the floating-point registers that they use.
 
+use crate::callgraph::fields::{field, register};
 use crate::callgraph::instruction::{Flow, Instruction, PC, Register, SP};
-use crate::callgraph::thumb::{decode, field, register};
+use crate::callgraph::thumb::decode;
 
 /// Kinds of operations, each with a row in the timing tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
