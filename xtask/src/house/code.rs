@@ -1,212 +1,128 @@
 //! Types by name and parameters, and lines of code.
 
 use super::source::Source;
-use anyhow::{Result, ensure};
-use proc_macro2::{Delimiter, Span, TokenStream, TokenTree};
-use quote::ToTokens;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use syn::visit::{self, Visit};
-use syn::{GenericParam, Generics, Ident, Visibility};
+use syn::{Generics, Ident, Visibility};
 
-/// Figures of all sources.
-#[derive(Default)]
-pub(super) struct Code {
-    /// Places of each type's definitions, by name.
-    names: BTreeMap<String, Vec<String>>,
-    /// Type parameters of each public type, with its place.
-    parameters: Vec<(usize, String)>,
-    pub(super) most_parameters: usize,
-    /// Lines with code on them, by room.
-    rooms: BTreeMap<String, usize>,
-    pub(super) lines: usize,
-}
+/// Names of the types of a file; of public ones with their type parameters, lifetimes and constants apart.
+struct Types(Vec<(String, usize)>);
 
-impl Code {
-    /// Public types with more than `allowed` type parameters.
-    pub(super) fn above(&self, allowed: usize) -> Vec<String> {
-        let above = self.parameters.iter().filter(|(count, _)| *count > allowed);
-        above
-            .map(|(count, place)| format!("{count}: {place}"))
-            .collect()
-    }
-
-    /// Names that are defined `times` times or more, each with its places.
-    pub(super) fn repeated(&self, times: usize) -> Vec<String> {
-        let often = self
-            .names
-            .iter()
-            .filter(|(_, places)| places.len() >= times);
-        let named = |(name, places): (&String, &Vec<String>)| {
-            format!("{name} x{}: {}", places.len(), places.join(", "))
-        };
-        often.map(named).collect()
-    }
-
-    pub(super) fn lines_by_room(&self) -> Vec<String> {
-        let rooms = self.rooms.iter();
-        rooms
-            .map(|(room, lines)| format!("{room}: {lines}"))
-            .collect()
-    }
-}
-
-pub(super) fn measure(sources: &[Source]) -> Result<Code> {
-    let mut code = Code::default();
-    for source in sources {
-        let mut types = Types {
-            place: source.path.display().to_string(),
-            code: &mut code,
-        };
+impl Types {
+    fn of(source: &Source) -> Vec<(String, usize)> {
+        let mut types = Self(Vec::new());
         types.visit_file(&source.syntax);
-        let mut lines = BTreeSet::new();
-        collect_lines(source.syntax.to_token_stream(), &mut lines);
-        let room: Vec<_> = source
-            .path
-            .iter()
-            .take_while(|part| *part != "src")
-            .collect();
-        let room = room.join("/".as_ref()).display().to_string();
-        *code.rooms.entry(room).or_default() += lines.len();
-        code.lines += lines.len();
-    }
-    code.most_parameters = code
-        .parameters
-        .iter()
-        .map(|(count, _)| *count)
-        .max()
-        .unwrap_or(0);
-    ensure!(!code.names.is_empty(), "no type was found");
-    Ok(code)
-}
-
-struct Types<'a> {
-    place: String,
-    code: &'a mut Code,
-}
-
-impl Types<'_> {
-    fn define(&mut self, name: &Ident) {
-        let places = self.code.names.entry(name.to_string()).or_default();
-        places.push(self.place.clone());
+        types.0
     }
 
-    fn define_with(&mut self, name: &Ident, visibility: &Visibility, generics: &Generics) {
-        self.define(name);
+    fn define(&mut self, name: &Ident, visibility: &Visibility, generics: &Generics) {
         // `pub(crate)` and narrower is no interface that a user reads.
-        if matches!(visibility, Visibility::Public(_)) {
-            let count = type_parameters(generics);
-            let place = format!("{name} in {}", self.place);
-            self.code.parameters.push((count, place));
-        }
+        let parameters = match visibility {
+            Visibility::Public(_) => generics.type_params().count(),
+            _ => 0,
+        };
+        self.0.push((name.to_string(), parameters));
     }
 }
 
-impl<'ast> Visit<'ast> for Types<'_> {
+impl<'ast> Visit<'ast> for Types {
     fn visit_item_struct(&mut self, item: &'ast syn::ItemStruct) {
-        self.define_with(&item.ident, &item.vis, &item.generics);
+        self.define(&item.ident, &item.vis, &item.generics);
         visit::visit_item_struct(self, item);
     }
 
     fn visit_item_enum(&mut self, item: &'ast syn::ItemEnum) {
-        self.define_with(&item.ident, &item.vis, &item.generics);
+        self.define(&item.ident, &item.vis, &item.generics);
         visit::visit_item_enum(self, item);
     }
 
     fn visit_item_trait(&mut self, item: &'ast syn::ItemTrait) {
-        self.define(&item.ident);
+        self.0.push((item.ident.to_string(), 0));
         visit::visit_item_trait(self, item);
     }
 
     fn visit_item_type(&mut self, item: &'ast syn::ItemType) {
-        self.define(&item.ident);
+        self.0.push((item.ident.to_string(), 0));
         visit::visit_item_type(self, item);
     }
 }
 
-fn type_parameters(generics: &Generics) -> usize {
-    let types = generics.params.iter();
-    types
-        .filter(|one| matches!(one, GenericParam::Type(_)))
-        .count()
+/// Public types with more than `allowed` type parameters.
+pub(super) fn wide(sources: &[Source], allowed: usize) -> Vec<String> {
+    let mut found = Vec::new();
+    for source in sources {
+        let wide = Types::of(source)
+            .into_iter()
+            .filter(|(_, count)| *count > allowed);
+        let place = |(name, count)| format!("{count}: {name} in {}", source.path.display());
+        found.extend(wide.map(place));
+    }
+    found
 }
 
-/// Lines on which a token stands that is no documentation.
-fn collect_lines(tokens: TokenStream, lines: &mut BTreeSet<usize>) {
-    let tokens = tokens.into_iter();
-    // A `#`, perhaps with `!`, is held back until the group behind it is known to be no documentation.
-    let mut held: Vec<Span> = Vec::new();
-    for token in tokens {
-        match token {
-            TokenTree::Punct(punct)
-                if punct.as_char() == '#' || (punct.as_char() == '!' && !held.is_empty()) =>
-            {
-                held.push(punct.span());
-            }
-            TokenTree::Group(group) => {
-                let docs = !held.is_empty()
-                    && group.delimiter() == Delimiter::Bracket
-                    && matches!(group.stream().into_iter().next(), Some(TokenTree::Ident(name)) if name == "doc");
-                if docs {
-                    held.clear();
-                    continue;
-                }
-                insert(lines, held.drain(..));
-                insert(lines, [group.span_open(), group.span_close()]);
-                collect_lines(group.stream(), lines);
-            }
-            other => {
-                insert(lines, held.drain(..));
-                insert(lines, [other.span()]);
-            }
+/// Names of types that are defined `times` times or more, each with its places.
+pub(super) fn repeated(sources: &[Source], times: usize) -> Vec<String> {
+    let mut names: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for source in sources {
+        for (name, _) in Types::of(source) {
+            let places = names.entry(name).or_default();
+            places.push(source.path.display().to_string());
         }
     }
+    names.retain(|_, places| places.len() >= times);
+    let names = names.iter();
+    names
+        .map(|(name, places)| format!("{name} x{}: {}", places.len(), places.join(", ")))
+        .collect()
 }
 
-fn insert(lines: &mut BTreeSet<usize>, spans: impl IntoIterator<Item = Span>) {
-    for span in spans {
-        lines.extend(span.start().line..=span.end().line);
+/// Lines of code of each room: those that are neither empty nor comments, before the tests of a file.
+pub(super) fn lines_by_room(sources: &[Source]) -> BTreeMap<String, usize> {
+    let mut rooms = BTreeMap::new();
+    for Source { path, text, .. } in sources {
+        let product = text.split("\n#[cfg(test)]\nmod tests {").next();
+        let lines = product.unwrap_or_default().lines().map(str::trim);
+        let code = lines.filter(|line| !line.is_empty() && !line.starts_with("//"));
+        let path = path.display().to_string();
+        let room = path.split("/src/").next().unwrap_or_default();
+        *rooms.entry(room.to_owned()).or_default() += code.count();
     }
+    rooms
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::path::PathBuf;
 
-    fn measured(text: &str) -> Code {
-        let source = Source {
-            path: PathBuf::from("core/src/a.rs"),
+    fn source(text: &str) -> [Source; 1] {
+        [Source {
+            path: "core/src/a.rs".into(),
             text: text.into(),
             syntax: syn::parse_file(text).expect("Rust"),
-        };
-        measure(&[source]).expect("types")
+        }]
     }
 
     #[test]
     fn lifetimes_and_constants_are_no_type_parameters() {
-        let code = measured(
+        let sources = source(
             "pub struct A<'a, N, P: Fn(N), const L: usize>(&'a N, P);\n\
              struct Hidden<A, B, C, D>(A, B, C, D);",
         );
-        assert_eq!(code.most_parameters, 2);
-        assert_eq!(code.above(1), ["2: A in core/src/a.rs"]);
+        assert_eq!(wide(&sources, 1), ["2: A in core/src/a.rs"]);
+        assert!(wide(&sources, 2).is_empty());
     }
 
     #[test]
     fn a_name_is_counted_in_every_module() {
-        let code = measured("mod a { enum X {} } mod b { struct X; } trait X {} struct Y;");
+        let sources = source("mod a { enum X {} } mod b { struct X; } trait X {} struct Y;");
         let place = "core/src/a.rs";
-        assert_eq!(
-            code.repeated(3),
-            [format!("X x3: {place}, {place}, {place}")]
-        );
+        let found = [format!("X x3: {place}, {place}, {place}")];
+        assert_eq!(repeated(&sources, 3), found);
     }
 
     #[test]
-    fn comments_docs_and_empty_lines_are_no_code() {
-        let text = "//! Room.\n\n/// Docs.\n#[derive(Clone)]\nstruct A; // why\n\n// reason\nfn f() {\n    /* two\n    lines */\n    g(\"one\n    two\");\n}\n";
-        let code = measured(text);
-        assert_eq!(code.lines, 6);
-        assert_eq!(code.lines_by_room(), ["core: 6"]);
+    fn comments_docs_empty_lines_and_tests_are_no_code() {
+        let text = "//! Room.\n\n/// Docs.\n#[derive(Clone)]\nstruct A; // why\n\n// reason\n#[cfg(test)]\nmod tests {}\n";
+        assert_eq!(lines_by_room(&source(text))["core"], 2);
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! Measured are the files that git knows. Tests are left out: [`source::Sources`] says which files are tests.
 
+mod circles;
 mod code;
 mod documents;
 mod packages;
@@ -10,19 +11,16 @@ mod source;
 
 use crate::table::table;
 use anyhow::{Result, ensure};
-use source::Sources;
+use source::{Source, Sources};
 
-/// Type parameters of a public struct or enum, lifetimes and constants apart.
-const PARAMETERS: usize = 3;
-
-/// Share of documentation blocks that open with a question word, percent.
-const OPENERS_PERCENT: f64 = 1.0;
+/// Documentation blocks that open with a question word.
+const QUESTIONS: usize = 20;
 
 /// Type names that are defined three times or more.
 const REPEATED_NAMES: usize = 14;
 
-/// Programs in the `examples/` of packages.
-const EXAMPLES: usize = 8;
+/// Circles of three files and more in a crate.
+const CIRCLES: usize = 3;
 
 #[derive(clap::Args)]
 pub(crate) struct HouseArgs {
@@ -34,39 +32,51 @@ pub(crate) struct HouseArgs {
     list: bool,
 }
 
-/// One figure, its threshold in words, and the findings behind it.
+/// One figure, and the findings behind it.
 struct Figure {
     name: &'static str,
-    value: String,
-    threshold: String,
-    holds: bool,
+    value: usize,
+    /// Threshold; none where the figure is only told.
+    most: Option<usize>,
     findings: Vec<String>,
 }
 
+impl Figure {
+    /// A number of `findings`, of which there may be `most`.
+    fn of(name: &'static str, findings: Vec<String>, most: usize) -> Self {
+        Self {
+            name,
+            value: findings.len(),
+            most: Some(most),
+            findings,
+        }
+    }
+
+    fn holds(&self) -> bool {
+        self.most.is_none_or(|most| self.value <= most)
+    }
+}
+
 pub(crate) fn run(arguments: &HouseArgs) -> Result<()> {
-    let figures = figures(&Sources::read()?)?;
-    let rows: Vec<Vec<String>> = figures
-        .iter()
-        .map(|figure| {
-            let verdict = if figure.holds { "" } else { "beyond" };
-            let cells = [figure.name, &figure.value, &figure.threshold, verdict];
-            cells.map(str::to_owned).to_vec()
-        })
-        .collect();
-    print!("{}", table(&["figure", "measured", "threshold", ""], &rows));
+    let figures = figures(&Sources::read()?.product)?;
+    let row = |figure: &Figure| {
+        let most = figure.most.map_or("-".into(), |most| most.to_string());
+        let verdict = if figure.holds() { "" } else { "beyond" };
+        let value = figure.value.to_string();
+        vec![figure.name.into(), value, most, verdict.into()]
+    };
+    let rows: Vec<_> = figures.iter().map(row).collect();
+    print!("{}", table(&["figure", "measured", "at most", ""], &rows));
     for figure in &figures {
-        if arguments.list || (arguments.check && !figure.holds) {
+        if arguments.list || (arguments.check && !figure.holds()) {
             println!("\n{}:", figure.name);
             for finding in &figure.findings {
                 println!("  {finding}");
             }
         }
     }
-    let beyond: Vec<&str> = figures
-        .iter()
-        .filter(|figure| !figure.holds)
-        .map(|figure| figure.name)
-        .collect();
+    let beyond = figures.iter().filter(|figure| !figure.holds());
+    let beyond: Vec<&str> = beyond.map(|figure| figure.name).collect();
     ensure!(
         !arguments.check || beyond.is_empty(),
         "beyond their thresholds: {}",
@@ -75,79 +85,33 @@ pub(crate) fn run(arguments: &HouseArgs) -> Result<()> {
     Ok(())
 }
 
-fn figures(sources: &Sources) -> Result<Vec<Figure>> {
-    let code = code::measure(&sources.product)?;
-    let prose = prose::measure(&sources.product);
-    let packages = packages::measure()?;
+fn figures(sources: &[Source]) -> Result<Vec<Figure>> {
     let documents = documents::measure()?;
-    let openers = 100.0 * prose.openers.len() as f64 / prose.blocks as f64;
+    let rooms = code::lines_by_room(sources);
+    let room = |(room, lines)| format!("{room}: {lines}");
+    let wide = code::wide(sources, 3);
+    let repeated = code::repeated(sources, 3);
+    let questions = prose::questions(sources);
+    let circles = circles::find(sources);
+    let upward = packages::upward()?;
+    let (links, tables) = (documents.lost_links, documents.cut_tables);
     Ok(vec![
-        Figure {
-            name: "type parameters of a public type, at most",
-            value: code.most_parameters.to_string(),
-            threshold: format!("at most {PARAMETERS}"),
-            holds: code.most_parameters <= PARAMETERS,
-            findings: code.above(PARAMETERS),
-        },
-        Figure {
-            name: "docs that open with a question word",
-            value: format!(
-                "{openers:.2} % ({} of {})",
-                prose.openers.len(),
-                prose.blocks
-            ),
-            threshold: format!("at most {OPENERS_PERCENT} %"),
-            holds: openers <= OPENERS_PERCENT,
-            findings: prose.openers,
-        },
-        Figure {
-            name: "type names defined three times or more",
-            value: code.repeated(3).len().to_string(),
-            threshold: format!("at most {REPEATED_NAMES}"),
-            holds: code.repeated(3).len() <= REPEATED_NAMES,
-            findings: code.repeated(3),
-        },
-        Figure {
-            name: "runnable examples",
-            value: packages.examples.len().to_string(),
-            threshold: format!("at least {EXAMPLES}"),
-            holds: packages.examples.len() >= EXAMPLES,
-            findings: packages.examples,
-        },
-        Figure {
-            name: "dependencies against the direction of the rooms",
-            value: packages.upward.len().to_string(),
-            threshold: "none".into(),
-            holds: packages.upward.is_empty(),
-            findings: packages.upward,
-        },
-        Figure {
-            name: "links of documents that lead nowhere",
-            value: documents.lost_links.len().to_string(),
-            threshold: "none".into(),
-            holds: documents.lost_links.is_empty(),
-            findings: documents.lost_links,
-        },
-        Figure {
-            name: "tables of documents that an empty line cuts",
-            value: documents.cut_tables.len().to_string(),
-            threshold: "none".into(),
-            holds: documents.cut_tables.is_empty(),
-            findings: documents.cut_tables,
-        },
-        Figure {
-            name: "packages and dependencies between them",
-            value: format!("{} and {}", packages.count, packages.dependencies),
-            threshold: "-".into(),
-            holds: true,
-            findings: Vec::new(),
-        },
+        Figure::of("public types with more than three type parameters", wide, 0),
+        Figure::of("docs that open with a question word", questions, QUESTIONS),
+        Figure::of(
+            "type names defined three times or more",
+            repeated,
+            REPEATED_NAMES,
+        ),
+        Figure::of("circles of three files and more", circles, CIRCLES),
+        Figure::of("dependencies against the direction of the rooms", upward, 0),
+        Figure::of("links of documents that lead nowhere", links, 0),
+        Figure::of("tables of documents that an empty line cuts", tables, 0),
         Figure {
             name: "lines of Rust without tests and comments",
-            value: code.lines.to_string(),
-            threshold: "-".into(),
-            holds: true,
-            findings: code.lines_by_room(),
+            value: rooms.values().sum(),
+            most: None,
+            findings: rooms.iter().map(room).collect(),
         },
     ])
 }

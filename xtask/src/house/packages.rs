@@ -1,4 +1,4 @@
-//! Packages of the workspace: their examples, and the direction of their dependencies.
+//! Packages of the workspace: the direction of their dependencies.
 
 use crate::packages::Package;
 use crate::repository::root;
@@ -13,47 +13,26 @@ const FLOORS: [&[&str]; 4] = [
     &["tests", "xtask"],
 ];
 
-/// Figures of the packages.
-pub(super) struct Packages {
-    pub(super) count: usize,
-    /// Dependencies between packages of the workspace, those of tests left out.
-    pub(super) dependencies: usize,
-    /// `PACKAGE: EXAMPLE` of each program.
-    pub(super) examples: Vec<String>,
-    /// `PACKAGE -> PACKAGE` of each dependency on a floor above.
-    pub(super) upward: Vec<String>,
+/// `PACKAGE -> PACKAGE` of each dependency on a floor above, those of tests left out.
+pub(super) fn upward() -> Result<Vec<String>> {
+    upward_of(root(), &Package::all()?)
 }
 
-pub(super) fn measure() -> Result<Packages> {
-    count(root(), &Package::all()?)
-}
-
-fn count(root: &Path, packages: &[Package]) -> Result<Packages> {
-    let mut found = Packages {
-        count: packages.len(),
-        dependencies: 0,
-        examples: Vec::new(),
-        upward: Vec::new(),
-    };
+fn upward_of(root: &Path, packages: &[Package]) -> Result<Vec<String>> {
+    let mut upward = Vec::new();
     for package in packages {
-        let examples = package.examples();
-        let named = examples.map(|example| format!("{}: {example}", package.name));
-        found.examples.extend(named);
         let own = floor(root, Path::new(&package.manifest_path))?;
         // Tests and examples may use rooms above: no user of the package compiles them.
         let dependencies = package.dependencies.iter();
         for dependency in dependencies.filter(|one| one.kind.as_deref() != Some("dev")) {
-            let Some(path) = &dependency.path else {
-                continue;
-            };
-            found.dependencies += 1;
-            if floor(root, Path::new(path))? > own {
-                let arrow = format!("{} -> {}", package.name, dependency.name);
-                found.upward.push(arrow);
+            if let Some(path) = &dependency.path
+                && floor(root, Path::new(path))? > own
+            {
+                upward.push(format!("{} -> {}", package.name, dependency.name));
             }
         }
     }
-    Ok(found)
+    Ok(upward)
 }
 
 /// The floor of the package at `path`.
@@ -71,19 +50,15 @@ mod tests {
     #[test]
     fn a_dependency_upwards_is_found_and_a_test_s_is_not() {
         let text = r#"[
-            { "name": "low", "manifest_path": "/w/core/Cargo.toml", "targets": [
-                { "name": "tick", "kind": ["example"] }, { "name": "low", "kind": ["lib"] } ],
-              "dependencies": [
+            { "name": "low", "manifest_path": "/w/core/Cargo.toml", "targets": [], "dependencies": [
                 { "name": "high", "path": "/w/crates/high", "kind": null },
                 { "name": "high", "path": "/w/crates/high", "kind": "dev" },
                 { "name": "serde", "path": null, "kind": null } ] },
             { "name": "high", "manifest_path": "/w/crates/high/Cargo.toml", "targets": [],
               "dependencies": [ { "name": "low", "path": "/w/core", "kind": null } ] } ]"#;
         let packages: Vec<Package> = serde_json::from_str(text).expect("as cargo writes it");
-        let found = count(Path::new("/w"), &packages).expect("rooms");
-        assert_eq!(found.upward, ["low -> high"]);
-        assert_eq!(found.examples, ["low: tick"]);
-        assert_eq!((found.count, found.dependencies), (2, 2));
+        let upward = upward_of(Path::new("/w"), &packages).expect("rooms");
+        assert_eq!(upward, ["low -> high"]);
     }
 
     #[test]
