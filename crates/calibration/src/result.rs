@@ -1,12 +1,10 @@
 //! Result of a calibration.
 
-use crate::first_poses::NominalMachine;
-use crate::forecast::{PoseError, uncalibrated};
+use crate::forecast::PoseError;
 use crate::measurement::{DeviceReading, MeasuredRow};
 use crate::parameter::{KinematicVector, PARAMETER_COUNT};
 use crate::sight::LEAST_RATIO;
 use nalgebra::DMatrix;
-use trirrr_core::machine::Parameters;
 
 /// Row of a table, judged.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -127,11 +125,5 @@ impl Calibration {
                 ResidualSize::of(checked().map(|(row, _, after)| (row, after))),
             ]
         })
-    }
-
-    /// Vector from the commanded place of D (m) and angle (rad) to where the uncalibrated machine gets, by the calibrated one.
-    pub fn uncalibrated_error(&self, machine: &Parameters, pose: [f64; 3]) -> Option<[f64; 3]> {
-        let nominal = NominalMachine::new(machine, pose)?;
-        uncalibrated(&nominal, &self.values, pose)
     }
 }

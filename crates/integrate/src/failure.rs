@@ -73,18 +73,6 @@ pub enum Unfit {
         /// The method's name.
         method: &'static str,
     },
-    /// The method's step is outside its region of stability everywhere that it could be.
-    #[error(
-        "{method} needs a step below {limit_s:.3e} s here: more than {steps} steps for the run"
-    )]
-    TooStiff {
-        /// The method's name.
-        method: &'static str,
-        /// The longest stable step in s.
-        limit_s: f64,
-        /// The budget of steps.
-        steps: u64,
-    },
 }
 
 /// Cause of an integration that ended early. `R` is the system's own refusal.

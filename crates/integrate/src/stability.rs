@@ -1,6 +1,5 @@
 //! Linearisation of a system: its stiffness, and the steps that are stable.
 
-use crate::failure::Unfit;
 use crate::method::Method;
 use crate::system::System;
 use nalgebra::linalg::Schur;
@@ -293,25 +292,4 @@ pub fn warning(
         limit_s,
         steps,
     })
-}
-
-/// Refuses a method whose stable steps could not get through the run within `budget` steps.
-pub fn check_budget(
-    spectrum: &Spectrum,
-    method: &Method,
-    run_s: f64,
-    budget: u64,
-) -> Result<(), Unfit> {
-    let limit_s = match method {
-        Method::DormandPrince { .. } => spectrum.longest_dormand_prince(),
-        _ => return Ok(()),
-    };
-    if run_s / limit_s > budget as f64 {
-        return Err(Unfit::TooStiff {
-            method: method.name(),
-            limit_s,
-            steps: budget,
-        });
-    }
-    Ok(())
 }

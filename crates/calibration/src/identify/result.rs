@@ -3,7 +3,6 @@
 use super::bodies::{BODY_COUNT, BodyGroup, BodyVector};
 use crate::columns::ColumnFault;
 use crate::sight::LEAST_RATIO;
-use nalgebra::{DMatrix, DVector};
 use std::fmt;
 
 /// Samples without which nothing is identified.
@@ -154,9 +153,6 @@ pub struct Identification {
     pub period_s: f64,
     /// Width sigma of the filter, s.
     pub width_s: f64,
-    /// Scaled directions that are seen, as columns, and their variances.
-    pub(super) directions: (DMatrix<f64>, DMatrix<f64>),
-    pub(super) scales: Vec<f64>,
 }
 
 impl Identification {
@@ -166,20 +162,5 @@ impl Identification {
             .iter()
             .filter(|ratio| **ratio >= LEAST_RATIO)
             .count()
-    }
-
-    /// Distance of `values` from those that were found along each seen direction, in its standard deviation: what the motion does not see is left
-    /// out.
-    pub fn off_in_deviations(&self, values: &BodyVector) -> Vec<f64> {
-        let (seen, covariance) = &self.directions;
-        let off = self
-            .free
-            .iter()
-            .zip(&self.scales)
-            .map(|(index, scale)| (values.0[*index] - self.values.0[*index]) / scale);
-        let off = seen.transpose() * DVector::from_iterator(self.free.len(), off);
-        let each = off.iter().enumerate();
-        each.map(|(index, off)| off / covariance[(index, index)].max(1e-300).sqrt())
-            .collect()
     }
 }

@@ -138,8 +138,6 @@ pub fn identify(
         check_nm,
         period_s,
         width_s,
-        directions: (solved.sight.seen, solved.covariance),
-        scales: problem.scales,
         free,
     })
 }
