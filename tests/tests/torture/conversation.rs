@@ -9,7 +9,7 @@ use trirrr_bench::faulty_link::{FaultyLink, Random};
 use trirrr_bench::job::random_job;
 use trirrr_bench::sent::Sent;
 use trirrr_bench::trajectory_checker::TrajectoryChecker;
-use trirrr_client::{Action, JobClient, Patience, UserCommand};
+use trirrr_client::{Dialogue, JobClient, Patience, Turn, UserCommand};
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::example;
 use trirrr_core::model::Dynamic;
@@ -218,23 +218,23 @@ impl Conversation<'_> {
     fn talk_at_client(&mut self, now: Duration, seed: u64) -> bool {
         loop {
             match self.client.poll(now) {
-                Action::Send(request) => {
+                Turn::Send(request) => {
                     let frame = request_frame(&request);
                     self.sent_to_device.record(&frame);
                     self.to_device.send(&frame);
                 }
-                Action::Wait(until) => {
+                Turn::Wait(until) => {
                     assert!(until > now, "job {seed}: nothing to wait for at {now:?}");
                     return false;
                 }
-                Action::Lost => {
+                Turn::Reconnect => {
                     self.tally.reconnects += 1;
                     self.to_device.clear();
                     self.to_client.clear();
                     self.decoder.reset();
                     self.client.reconnected();
                 }
-                Action::Finished(result) => {
+                Turn::Done(result) => {
                     if let Err(failure) = result {
                         let status = self.client.status();
                         panic!("job {seed}: {}: {status:?}", self.client.describe(&failure));

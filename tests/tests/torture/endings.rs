@@ -8,7 +8,7 @@ use std::time::Duration;
 use trirrr_bench::faulty_link::Random;
 use trirrr_client::local::{LocalService, hello, with_machine};
 use trirrr_client::{
-    Action, JobClient, JobFailure, JobMark, JobPlace, JobRest, Patience, UserCommand,
+    Dialogue, JobClient, JobFailure, JobMark, JobPlace, JobRest, Patience, Turn, UserCommand,
 };
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{
@@ -430,8 +430,8 @@ impl World {
             let mut asked = 0;
             loop {
                 match client.poll(now) {
-                    Action::Send(_) if is_cut => {}
-                    Action::Send(Request { sequence, command }) => {
+                    Turn::Send(_) if is_cut => {}
+                    Turn::Send(Request { sequence, command }) => {
                         asked += 1;
                         assert!(
                             asked < 1000,
@@ -441,9 +441,9 @@ impl World {
                         let reply = machine.receive(&Request { sequence, command });
                         client.receive(&Message::Reply { sequence, reply }, now);
                     }
-                    Action::Wait(_) => break,
-                    Action::Lost => return End::Gone,
-                    Action::Finished(result) => {
+                    Turn::Wait(_) => break,
+                    Turn::Reconnect => return End::Gone,
+                    Turn::Done(result) => {
                         mark.note(client, |place| rest.place(place));
                         return match result {
                             Ok(()) => End::Complete,

@@ -9,7 +9,8 @@ use trirrr_bench::faulty_link::{FaultyLink, Random};
 use trirrr_bench::job::near;
 use trirrr_bench::trajectory_checker::TrajectoryChecker;
 use trirrr_client::Patience;
-use trirrr_client::exchange::{Exchange, Turn};
+use trirrr_client::Turn;
+use trirrr_client::exchange::Exchange;
 use trirrr_core::limits::{LimitParameters, Limits};
 use trirrr_core::machine::example;
 use trirrr_core::model::Dynamic;
@@ -415,9 +416,9 @@ impl ErrandSession<'_> {
             match self.exchange.poll(now) {
                 Turn::Send(request) => self.to_device.send(&request_frame(&request)),
                 Turn::Wait(_) => return,
-                Turn::Silent => panic!("session {}: silent", self.seed),
-                Turn::Free if tick < self.pause => return,
-                Turn::Free => match self.status {
+                Turn::Reconnect => panic!("session {}: silent", self.seed),
+                Turn::Done(()) if tick < self.pause => return,
+                Turn::Done(()) => match self.status {
                     _ if !self.greeted => self.exchange.greet(hello(), now),
                     None => self.exchange.ask(Command::Status, now),
                     Some(status) => {

@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 use std::time::Duration;
 use trirrr_bench::faulty_link::Random;
 use trirrr_client::local::{self, HostNumber, LocalService};
-use trirrr_client::{GoalAction, GoalClient, Patience, UserCommand};
+use trirrr_client::{Dialogue, GoalClient, Patience, Turn, UserCommand};
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Acting, Goal, Message, State};
 use trirrr_scene::{NumberType, Scene, offer};
@@ -164,14 +164,14 @@ fn play<N: ServiceNumber>(
         }
         loop {
             match client.poll(now) {
-                GoalAction::Send(request) => {
+                Turn::Send(request) => {
                     let reply = machine.receive(&request);
                     let sequence = request.sequence;
                     client.receive(&Message::Reply { sequence, reply }, now);
                 }
-                GoalAction::Wait(_) => break,
-                GoalAction::Lost => panic!("seed {seed}: silent"),
-                GoalAction::Finished(end) => {
+                Turn::Wait(_) => break,
+                Turn::Reconnect => panic!("seed {seed}: silent"),
+                Turn::Done(end) => {
                     end.unwrap_or_else(|why| panic!("seed {seed}: {why:?}"));
                     assert_eq!(machine.state(), State::Idle, "seed {seed}");
                     tally.short += u64::from(client.falls_short());

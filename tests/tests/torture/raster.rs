@@ -7,7 +7,7 @@ use trirrr_bench::device::{
     request_frame,
 };
 use trirrr_bench::faulty_link::{FaultyLink, Random};
-use trirrr_client::{Action, JobClient, JobWork, Patience, UserCommand};
+use trirrr_client::{Dialogue, JobClient, JobWork, Patience, Turn, UserCommand};
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{AnyMove, LEVEL_PARTS, LevelRange, Message, Move};
@@ -162,15 +162,15 @@ fn burn(seed: u64, percent: u64) -> u64 {
         }
         loop {
             match client.poll(now) {
-                Action::Send(request) => there.send(&request_frame(&request)),
-                Action::Wait(_) => break,
-                Action::Lost => {
+                Turn::Send(request) => there.send(&request_frame(&request)),
+                Turn::Wait(_) => break,
+                Turn::Reconnect => {
                     there.clear();
                     back.clear();
                     reconnects += 1;
                     client.reconnected();
                 }
-                Action::Finished(result) => {
+                Turn::Done(result) => {
                     if let Err(failure) = result {
                         panic!("{seed}: {}", client.describe(&failure));
                     }

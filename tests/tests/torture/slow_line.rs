@@ -6,7 +6,7 @@ use trirrr_bench::device::{
     Device, DeviceScene, MessageDecoder, TICK_RATE_HZ, hello, home, message_frame, request_frame,
 };
 use trirrr_bench::slow_link::SlowLink;
-use trirrr_client::{Action, JobClient, JobWork, Patience};
+use trirrr_client::{Dialogue, JobClient, JobWork, Patience, Turn};
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Acting, AnyMove, Message, Move, State};
@@ -126,10 +126,10 @@ pub(crate) fn play(work: impl Into<JobWork<f64>>, delay: u64, bytes_per_tick: us
         }
         loop {
             match client.poll(now) {
-                Action::Send(request) => there.send(&request_frame(&request)),
-                Action::Wait(_) => break,
-                Action::Lost => panic!("the line is there"),
-                Action::Finished(result) => {
+                Turn::Send(request) => there.send(&request_frame(&request)),
+                Turn::Wait(_) => break,
+                Turn::Reconnect => panic!("the line is there"),
+                Turn::Done(result) => {
                     if let Err(failure) = result {
                         panic!("{}", client.describe(&failure));
                     }

@@ -4,7 +4,7 @@ use std::rc::Rc;
 use std::time::Duration;
 use trirrr_bench::device::{MessageDecoder, TICK_RATE_HZ, hello_in, request_frame};
 use trirrr_bench::slow_link::SlowLink;
-use trirrr_client::{Action, JobClient, JobFailure, JobMark, JobPlace, JobRest, Patience};
+use trirrr_client::{Dialogue, JobClient, JobFailure, JobMark, JobPlace, JobRest, Patience};
 use trirrr_protocol::message::Message;
 
 /// Ticks from one entry of the journal to the next.
@@ -120,16 +120,16 @@ impl Host {
         }
         let turn = loop {
             match self.process.client.poll(now) {
-                Action::Send(request) => there.send(&request_frame(&request)),
-                Action::Wait(until) => {
+                trirrr_client::Turn::Send(request) => there.send(&request_frame(&request)),
+                trirrr_client::Turn::Wait(until) => {
                     assert!(until > now, "nothing to wait for at {now:?}");
                     break Turn::Listens;
                 }
-                Action::Lost => {
+                trirrr_client::Turn::Reconnect => {
                     self.reopen();
                     break Turn::OpensAnew;
                 }
-                Action::Finished(result) => break Turn::Ended(result),
+                trirrr_client::Turn::Done(result) => break Turn::Ended(result),
             }
         };
         let is_named = self.process.client.first_move() != self.process.mark.first_move;
