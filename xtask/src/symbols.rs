@@ -96,12 +96,12 @@ const MARKS: &[Mark] = &[
     },
     Mark {
         what: "homing",
-        names: &["10WithHoming", "5Cycle"],
+        names: &["5Cycle"],
         used: |scene| scene.homing.is_some(),
     },
     Mark {
         what: "interlocks",
-        names: &["14WithInterlocks", "10Interlocks"],
+        names: &["10Interlocks"],
         used: |scene| scene.inputs.are_named(),
     },
     Mark {
@@ -111,7 +111,7 @@ const MARKS: &[Mark] = &[
     },
     Mark {
         what: "spare outputs or inputs",
-        names: &["11WithDigital", "13DigitalPlayer"],
+        names: &["13DigitalPlayer"],
         used: |scene| scene.spare_pins.are_named(),
     },
     Mark {
@@ -121,7 +121,7 @@ const MARKS: &[Mark] = &[
     },
     Mark {
         what: "power lists",
-        names: &["10WithLevels", "10MoveLevels"],
+        names: &["10MoveLevels"],
         used: |scene| scene.service.power_lists > 0,
     },
     Mark {
@@ -136,12 +136,12 @@ const MARKS: &[Mark] = &[
     },
     Mark {
         what: "feedback",
-        names: &["12WithFeedback"],
+        names: &["10DriveWatch"],
         used: |scene| scene.feedback.is_some(),
     },
     Mark {
         what: "contact detection",
-        names: &["11WithContact", "12ContactModel"],
+        names: &["12ContactModel"],
         used: |scene| scene.contact.is_some(),
     },
     Mark {
@@ -276,8 +276,8 @@ mod tests {
             ("_RNv6number5fixed5Fixed", "fixed point"),
             ("_RNv6drives4bldc5build", "brushless motors"),
             ("_RNv4tool4duty5build", "a tool"),
-            ("_RNv6homing12coefficients10WithHoming", "homing"),
-            ("_RNv5scene11interlocked14WithInterlocks", "interlocks"),
+            ("_RNv6homing5cycle5Cycle7advance", "homing"),
+            ("_RNv9interlock10Interlocks5sense", "interlocks"),
             ("_RNv5interlock5probe10ProbeLatch4read", "a probe"),
             ("_RNv4lamp7LampPin4show", "a status lamp"),
             (

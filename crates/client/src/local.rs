@@ -1,7 +1,6 @@
 //! Machine in the same program: the service of a scene behind one object. The scene names its model at
 //! run time, the types of the service name the model at compile time.
 
-use core::marker::PhantomData;
 use std::time::{Duration, Instant};
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{Geometry, Parameters};
@@ -10,19 +9,14 @@ use trirrr_core::number::{Coarse, Fixed};
 use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_core::tick::Motor;
 use trirrr_plan::window::ServicePlanner;
-use trirrr_protocol::message::scene::Section;
-use trirrr_protocol::message::{
-    Hello, Message, MoveBatch, PROTOCOL, Reply, Request, State, UpdateStep,
-};
+use trirrr_protocol::message::{Hello, Message, PROTOCOL, Reply, Request, State};
 use trirrr_protocol::wire::{self, schema};
 use trirrr_scene::Scene;
 use trirrr_scene::offer;
 use trirrr_service::{
-    Adjustable, Channels, ContactCoefficients, DigitalParameters, DigitalPorts, DriveFeedback,
-    FeedbackCoefficients, Homing, HomingCoefficients, InterlockParameters, InterlockReadings,
-    Interlocks, LevelRing, Output, Played, ProbeLatch, Readings, Retreats, Service, ServiceError,
-    ServiceNumber, Settings, WithContact, WithDigital, WithFeedback, WithHoming, WithInterlocks,
-    WithLevels, input_bits,
+    Adjustable, Channels, ContactCoefficients, DigitalParameters, FeedbackCoefficients,
+    HomingCoefficients, InterlockParameters, InterlockReadings, NoImage, On, Output, Played,
+    Readings, SceneParts, Service, ServiceError, ServiceNumber, Settings, input_bits, scene,
 };
 
 /// Places of the queue for moves, as on a board. One place stays empty.
@@ -301,63 +295,36 @@ impl<N: ServiceNumber> ModelVisitor<N> for Playing<'_, '_, N> {
 
     fn visit<M: Model<N = N>>(self) -> Self::Output {
         let Self { described, play } = self;
-        let scene =
-            Adjustable::<M, Quintics, ServicePlanner<N, { offer::PIECES }, { offer::CELLS }>>::new(
-                described.parameters,
-                described.limits,
-            )
-            .of_kind(described.kind);
-        let scene = WithLevels::<_, LEVELS> {
-            scene,
-            room: described.levels,
-        };
-        let scene = WithHoming {
-            scene,
+        let machine = Adjustable::new(described.parameters, described.limits);
+        let scene = SceneParts {
+            machine: machine.of_kind(described.kind),
+            update: NoImage,
+            levels: described.levels,
             homing: described.homing.as_ref(),
-        };
-        let scene = WithFeedback {
-            scene,
             feedback: described.feedback.as_ref(),
-        };
-        let scene = WithContact {
-            scene,
             contact: described.contact.as_ref(),
-            retreat: Retreats,
-        };
-        let scene = WithInterlocks::<_, { input_bits::ALL }, ProbeLatch<N>> {
-            scene,
-            parameters: described.interlocks,
-            probe: PhantomData,
-        };
-        let scene = WithDigital {
-            scene,
-            parameters: described.digital,
+            interlocks: described.interlocks,
+            digital: described.digital,
         };
         // The queues are some 100 KB.
-        let mut channels = Box::new(Channels::<_, MOVES, SAMPLES>::new());
+        let mut channels = Box::new(Channels::<HostScene<N, M>, MOVES, SAMPLES, LEVELS>::new());
         let mut service = channels.service(scene, described.start, described.settings)?;
         play(&mut service);
         Ok(())
     }
 }
 
-impl<N, S> LocalService<N> for Service<'_, S>
-where
-    N: ServiceNumber,
-    S: trirrr_service::Scene<
-            N = N,
-            Replacement = Section,
-            Batch = MoveBatch<N>,
-            Update = UpdateStep,
-            Levels = LevelRing<N, LEVELS>,
-            Part = Section,
-            Curves = Quintics,
-            Feedback = DriveFeedback<N>,
-            Interlocks = Interlocks<N, { input_bits::ALL }, ProbeLatch<N>>,
-            Digital = DigitalPorts,
-        >,
-    S::Homing: Homing<N, Inputs = [bool; 3]>,
-{
+/// Planner of paths of a host.
+type HostPlanner<N> = ServicePlanner<N, { offer::PIECES }, { offer::CELLS }>;
+
+scene! {
+    /// Scene with all features: a host's values choose among them.
+    HostScene [N: ServiceNumber, M: Model<N = N>] [N, M]: Adjustable<M, Quintics, HostPlanner<N>>,
+    batches = On, update = NoImage, levels = On, homing = On, feedback = On, contact = On, retreat = On,
+    interlocks = On<{ input_bits::ALL }>, probe = On, digital = On
+}
+
+impl<N: ServiceNumber, M: Model<N = N>> LocalService<N> for Service<'_, HostScene<N, M>> {
     fn tick(&mut self) {
         Service::tick(self);
     }

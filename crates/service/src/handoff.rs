@@ -11,21 +11,23 @@
 //! | tick | background | queue | telemetry samples |
 //! | each | the other | [`SharedCounters`] | counters, each with one writer |
 
-use super::digital::DigitalReportOf;
-use super::feedback::FeedbackReportOf;
-use super::interlock::InterlockReportOf;
+use super::feature::Of;
+use super::feedback::FeedbackReport;
+use super::interlock::ProbeLatch;
 use super::pace::{MovePaces, Room};
-use super::scene::Scene;
-use super::splice::{SpliceChannels, SplicesOf};
+use super::scene::{QuinticsOf, Scene};
+use super::splice::SpliceReport;
 use super::tool::Tool;
 use core::sync::atomic::{AtomicU32, Ordering, fence};
-use trirrr_core::number::Number;
+use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::{CurveKind, JointMove, Pose, Segment};
-use trirrr_protocol::message::{Acting, Interruption, State, TelemetryFields};
+use trirrr_protocol::message::{
+    Acting, DigitalStates, InputStates, Interruption, State, TelemetryFields,
+};
 
 /// A move that is admitted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct QueuedMove<N: Number, K: CurveKind> {
+pub(crate) struct QueuedMove<N: Number, K: CurveKind> {
     pub(super) segment: Segment<N, K>,
     pub(super) ticks: u32,
     pub(super) number: u32,
@@ -86,8 +88,7 @@ pub(super) struct Recover<N: Number> {
 }
 
 /// State of the tick, after something changed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct TickReport<N: Number, R, F, I, D> {
+pub(super) struct TickReport<S: Scene> {
     /// Orders taken so far, modulo 256.
     pub(super) orders: u8,
     pub(super) generation: u8,
@@ -102,27 +103,20 @@ pub(super) struct TickReport<N: Number, R, F, I, D> {
     /// Place at which the last job was left.
     pub(super) interrupted: Option<Interruption>,
     /// Pose of the platform; meant in idle only.
-    pub(super) pose: Pose<N>,
+    pub(super) pose: Pose<S::N>,
     /// Angles of the motors; meant in idle, fault and cleared only.
-    pub(super) angles: [N::Angle; 3],
+    pub(super) angles: [<S::N as Arithmetic>::Angle; 3],
     /// Splices.
-    pub(super) splice: R,
+    pub(super) splice: Of<QuinticsOf<S>, SpliceReport>,
     /// Feedback.
-    pub(super) feedback: F,
-    /// Interlocks.
-    pub(super) interlocks: I,
+    pub(super) feedback: Of<S::Feedback, FeedbackReport<S::N>>,
+    /// Interlocks, with the state of the probe.
+    pub(super) interlocks: Of<S::Interlocks, InputStates>,
+    /// Probe.
+    pub(super) probe: Of<S::Probe, ProbeLatch<S::N>>,
     /// Spare inputs and outputs.
-    pub(super) digital: D,
+    pub(super) digital: Of<S::Digital, DigitalStates>,
 }
-
-/// Report of a service of the scene `S`.
-pub(super) type ReportOf<S> = TickReport<
-    <S as Scene>::N,
-    <SplicesOf<S> as SpliceChannels<<S as Scene>::N, <S as Scene>::Curves>>::Report,
-    FeedbackReportOf<S>,
-    InterlockReportOf<S>,
-    DigitalReportOf<S>,
->;
 
 /// Counters, each with one writer. Loads and stores only: not every core has more.
 #[derive(Debug, Default)]

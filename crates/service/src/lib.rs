@@ -39,6 +39,7 @@ mod channels;
 mod coefficients;
 mod contact;
 mod digital;
+mod feature;
 mod feed;
 mod feedback;
 mod foreground;
@@ -66,36 +67,29 @@ pub use background::{Background, check_offer, longest_move};
 pub use channels::{Channels, ServiceError};
 pub use coefficients::Coefficients;
 pub use contact::{
-    ContactChannels, ContactCoefficients, ContactMemory, ContactModel, ContactObserver,
-    ContactParameters, ContactReceiver, ContactThresholds, ContactWatch, Deviation,
+    ContactCoefficients, ContactModel, ContactObserver, ContactParameters, ContactThresholds,
+    Deviation,
 };
-pub use digital::{
-    DigitalKind, DigitalParameters, DigitalPlayer, DigitalPorts, DigitalReadingsOf, DigitalSender,
-};
-pub use feedback::{
-    DriveFeedback, DriveWatch, Feedback, FeedbackCoefficients, FeedbackParameters,
-    FeedbackReceiver, FeedbackReport, Readings, ReadingsOf, WatchLimits,
-};
+pub use digital::DigitalParameters;
+pub use feature::{Feature, Memory, On, Optional, Present};
+pub use feedback::{FeedbackCoefficients, FeedbackParameters, Readings, WatchLimits};
 pub use foreground::{Foreground, Output, Power};
 pub use homing::{
-    Contact, Cycle, Homing, HomingAxis, HomingCoefficients, HomingMotor, HomingParameters,
-    HomingTimes, NoHoming, Plan, Progress,
+    Contact, HomingAxis, HomingCoefficients, HomingMotor, HomingParameters, HomingTimes,
 };
 pub use interlock::{
-    Door, EmergencyStop, InterlockKind, InterlockParameters, InterlockReadings,
-    InterlockReadingsOf, InterlockReport, Interlocks, LimitInputs, ProbeInput, ProbeLatch,
-    ProbeMemory, input_bits,
+    Door, EmergencyStop, InterlockParameters, InterlockReadings, LimitInputs, ProbeInput,
+    input_bits,
 };
-pub use levels::{LevelKind, LevelPlayer, LevelRing, LevelStore, check_levels};
+pub use levels::check_levels;
 pub use number::ServiceNumber;
-pub use offered::{CommandOf, PlayedCurves, RequestOf, command_of};
+pub use offered::PlayedCurves;
 pub use pace::{MovePaces, Pace, Ramp};
 pub use planner::{PathPlanner, PathStep, Planning};
-pub use retreat::{NoRetreat, RetreatKind, Retreats, Trail};
 pub use scene::{
-    Adjustable, Compiled, ImageSlot, NoSlot, Parts, Put, Scene, SceneValues, Setup, Slot,
-    StepperValues, Take, WithContact, WithDigital, WithFeedback, WithHoming, WithInterlocks,
-    WithLevels, WithUpdate, check_image, needs_of_model,
+    Adjustable, CommandOf, Compiled, CurvesOf, ImageSlot, Machine, ModelOf, NoImage, PartOf, Parts,
+    RequestOf, Scene, SceneParts, SceneValues, StepperValues, check_image, command_of,
+    needs_of_model,
 };
 pub use service::{Played, Service};
 pub use settings::{PowerTimes, Reactions, SceneIdentity, Settings, StopCategory, key, name};

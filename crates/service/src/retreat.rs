@@ -4,69 +4,18 @@
 //! on which it came is free. With the path's time s running backward at the pace u, the velocity is -q' u and the
 //! acceleration q'' u^2 - q' u': those of a motion forward whose pace changes by -u'. So the rates that the admission has proven
 //! hold with their roles exchanged: a retreat speeds up at the rate of slowing down, and the other way round.
-//!
-//! The choice is a type, as that of [contacts](super::contact) is: without retreats an image keeps no moves.
 
 use crate::handoff::QueuedMove;
 use crate::number::ServiceNumber;
 use crate::pace::{MovePaces, Pace};
-use crate::scene::Scene;
-use crate::splice::{Optional, Present};
 use heapless::Deque;
 use trirrr_core::setpoint::CurveKind;
 
 /// Moves that are kept.
 const KEPT: usize = 16;
 
-/// A machine that goes back after a contact, or does not.
-pub trait RetreatKind: Send + 'static {
-    /// The machine goes back.
-    const RETREATS: bool;
-
-    /// Moves that the tick keeps; `()` for none.
-    type Trail<N: ServiceNumber, K: CurveKind>: Optional<Trail<N, K>>;
-
-    /// Returns a trail without moves.
-    fn trail<N: ServiceNumber, K: CurveKind>() -> Self::Trail<N, K>;
-}
-
-/// The machine stays where it has come to rest.
-#[derive(Clone, Copy, Debug)]
-pub struct NoRetreat;
-
-impl RetreatKind for NoRetreat {
-    const RETREATS: bool = false;
-
-    type Trail<N: ServiceNumber, K: CurveKind> = ();
-
-    #[inline(always)]
-    fn trail<N: ServiceNumber, K: CurveKind>() {}
-}
-
-/// The machine goes back, for the time that the coefficients of contact detection say.
-#[derive(Clone, Copy, Debug)]
-pub struct Retreats;
-
-impl RetreatKind for Retreats {
-    const RETREATS: bool = true;
-
-    type Trail<N: ServiceNumber, K: CurveKind> = Present<Trail<N, K>>;
-
-    fn trail<N: ServiceNumber, K: CurveKind>() -> Present<Trail<N, K>> {
-        Present(Trail {
-            moves: Deque::new(),
-            wanted: false,
-            way: None,
-        })
-    }
-}
-
-/// Trail of scene `S`.
-pub(crate) type TrailOf<S> =
-    <<S as Scene>::Retreat as RetreatKind>::Trail<<S as Scene>::N, <S as Scene>::Curves>;
-
 /// The last moves of a job, and the way back on them.
-pub struct Trail<N: ServiceNumber, K: CurveKind> {
+pub(crate) struct Trail<N: ServiceNumber, K: CurveKind> {
     /// The oldest at the front.
     moves: Deque<PassedMove<N, K>, KEPT>,
     /// A contact is the reason for which the machine comes to rest.
@@ -82,6 +31,15 @@ pub(crate) struct PassedMove<N: ServiceNumber, K: CurveKind> {
 }
 
 impl<N: ServiceNumber, K: CurveKind> Trail<N, K> {
+    /// Trail without moves.
+    pub(crate) fn new() -> Self {
+        Self {
+            moves: Deque::new(),
+            wanted: false,
+            way: None,
+        }
+    }
+
     /// Forgets the moves: a path begins, or is over.
     pub(crate) fn clear(&mut self) {
         self.moves.clear();

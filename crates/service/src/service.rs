@@ -1,14 +1,11 @@
 //! The front door: a whole service in one thread.
 
 use crate::background::Background;
-use crate::digital::DigitalReadingsOf;
-use crate::feedback::ReadingsOf;
+use crate::feedback::Readings;
 use crate::foreground::{Foreground, Output};
-use crate::homing::Homing;
-use crate::interlock::InterlockReadingsOf;
+use crate::interlock::InterlockReadings;
 use crate::number::ServiceNumber;
-use crate::offered::{CommandOf, RequestOf};
-use crate::scene::Scene;
+use crate::scene::{CommandOf, PartOf, RequestOf, Scene};
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::tick::Motion;
 use trirrr_protocol::message::{FaultCode, Message, MessageRef, Reply, State, Status, Telemetry};
@@ -74,7 +71,7 @@ pub type Played<N> = (Setpoint<N>, Motion<N>);
 pub struct Service<'q, S: Scene, const LINE: usize = 512> {
     pub(crate) foreground: Foreground<'q, S>,
     pub(crate) background: Background<'q, S>,
-    inputs: <S::Homing as Homing<S::N>>::Inputs,
+    inputs: [bool; 3],
     motion: Option<Played<S::N>>,
     decoder: Decoder<LINE>,
     frame: [u8; LINE],
@@ -87,7 +84,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'q, S, LI
         Self {
             foreground,
             background,
-            inputs: Default::default(),
+            inputs: [false; 3],
             motion: None,
             decoder: Decoder::new(),
             frame: [0; LINE],
@@ -96,18 +93,18 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'q, S, LI
     }
 
     /// Executes a command at once. This program needs no hello and no sequence numbers.
-    pub fn submit(&mut self, command: &CommandOf<S>) -> Reply<N, S::Part> {
+    pub fn submit(&mut self, command: &CommandOf<S>) -> Reply<N, PartOf<S>> {
         self.background.submit(command)
     }
 
     /// Executes a request of a line, unless the service has executed the request before. `checksum` is
     /// that of the request's frame, see [`Background::receive`].
-    pub fn answer(&mut self, request: &RequestOf<S>, checksum: u32) -> Reply<N, S::Part> {
+    pub fn answer(&mut self, request: &RequestOf<S>, checksum: u32) -> Reply<N, PartOf<S>> {
         self.background.receive(request, checksum)
     }
 
     /// Executes the next request if it came before one that was missing, see [`Background::receive_kept`].
-    pub fn answer_kept(&mut self) -> Option<(u32, Reply<N, S::Part>)> {
+    pub fn answer_kept(&mut self) -> Option<(u32, Reply<N, PartOf<S>>)> {
         self.background.receive_kept()
     }
 
@@ -123,22 +120,22 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'q, S, LI
 
     /// Sets the inputs of the next ticks: one for each motor, true if its switch is closed or its drive
     /// reports a stall. A machine without homing has no inputs.
-    pub fn set_inputs(&mut self, inputs: <S::Homing as Homing<N>>::Inputs) {
+    pub fn set_inputs(&mut self, inputs: [bool; 3]) {
         self.inputs = inputs;
     }
 
     /// Takes what the drives tell, before the tick, see [`Foreground::hear`].
-    pub fn hear(&mut self, readings: ReadingsOf<S>) {
+    pub fn hear(&mut self, readings: Readings<N>) {
         self.foreground.hear(readings);
     }
 
     /// Takes what the contacts of the interlocks tell, before the tick, see [`Foreground::sense`].
-    pub fn sense(&mut self, readings: InterlockReadingsOf<S>) {
+    pub fn sense(&mut self, readings: InterlockReadings) {
         self.foreground.sense(readings);
     }
 
     /// Takes the levels of the spare inputs, before the tick, see [`Foreground::sense_digital`].
-    pub fn sense_digital(&mut self, readings: DigitalReadingsOf<S>) {
+    pub fn sense_digital(&mut self, readings: u8) {
         self.foreground.sense_digital(readings);
     }
 
@@ -180,7 +177,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'q, S, LI
     }
 
     /// Returns the next event, or else the next telemetry sample.
-    pub fn poll(&mut self) -> Option<Message<N, S::Part>> {
+    pub fn poll(&mut self) -> Option<Message<N, PartOf<S>>> {
         self.background.outgoing()
     }
 
@@ -227,7 +224,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'_, S, LINE> 
         const {
             assert!(
                 LINE >= decoded_length(longest::<RequestOf<S>>())
-                    && LINE >= frame_length(longest::<Message<N, S::Part>>()),
+                    && LINE >= frame_length(longest::<Message<N, PartOf<S>>>()),
                 "LINE is shorter than a message"
             );
         }
@@ -244,7 +241,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'_, S, LINE> 
         bytes.len() - rest.len()
     }
 
-    fn put_reply(&mut self, sequence: u32, reply: &Reply<N, S::Part>) {
+    fn put_reply(&mut self, sequence: u32, reply: &Reply<N, PartOf<S>>) {
         let message = MessageRef::Reply { sequence, reply };
         self.reply = encode(&message, &mut self.frame).ok().map(<[u8]>::len);
     }

@@ -5,12 +5,10 @@
 //! to the next. There are two such queues, taken in turn: what is left of the one before is dropped at once. Behind
 //! the chain the common queue goes on, once what was cut is dropped from it, too.
 
+use crate::feature::Memory;
 use crate::handoff::{Ahead, QueuedMove};
 use crate::number::ServiceNumber;
-use crate::offered::PlayedCurves;
 use crate::queue::{Receiver, Sender};
-use crate::scene::Scene;
-use core::fmt::Debug;
 use core::sync::atomic::{AtomicU8, Ordering};
 use heapless::spsc::Queue;
 use trirrr_core::setpoint::CurveKind;
@@ -20,87 +18,6 @@ pub(crate) const CHAIN: usize = 13;
 
 /// Number of no chain.
 const WITHDRAWN: usize = 2;
-
-/// A part of the service that a scene may do without: then it has no size, and code for it is compiled out.
-pub trait Optional<T> {
-    /// The part, if there is one.
-    fn get(&self) -> Option<&T>;
-
-    /// The same, to be changed.
-    fn get_mut(&mut self) -> Option<&mut T>;
-}
-
-impl<T> Optional<T> for () {
-    #[inline(always)]
-    fn get(&self) -> Option<&T> {
-        None
-    }
-
-    #[inline(always)]
-    fn get_mut(&mut self) -> Option<&mut T> {
-        None
-    }
-}
-
-/// A part that is there.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Present<T>(pub(crate) T);
-
-impl<T> Optional<T> for Present<T> {
-    #[inline(always)]
-    fn get(&self) -> Option<&T> {
-        Some(&self.0)
-    }
-
-    #[inline(always)]
-    fn get_mut(&mut self) -> Option<&mut T> {
-        Some(&mut self.0)
-    }
-}
-
-/// Memory of splices.
-pub trait SpliceChannels<N: ServiceNumber, K: CurveKind>: Send + 'static {
-    /// Nothing in it.
-    const EMPTY: Self;
-
-    /// Report of the tick about it.
-    type Report: Optional<SpliceReport> + Copy + Debug + PartialEq;
-    /// End of the background.
-    type Background<'q>: Optional<SpliceSender<'q, N, K>>;
-    /// End of the tick.
-    type Tick<'q>: Optional<SplicePlayer<'q, N, K>>;
-
-    /// Returns both ends.
-    fn split(&mut self) -> (Self::Background<'_>, Self::Tick<'_>);
-
-    /// Returns the report of a tick that is `tick` whole ticks on its move.
-    fn report(of: &Self::Tick<'_>, tick: u32) -> Self::Report;
-}
-
-impl<N: ServiceNumber, K: CurveKind> SpliceChannels<N, K> for () {
-    const EMPTY: Self = ();
-    type Report = ();
-    type Background<'q> = ();
-    type Tick<'q> = ();
-
-    fn split(&mut self) -> ((), ()) {
-        ((), ())
-    }
-
-    #[inline(always)]
-    fn report((): &(), _: u32) {}
-}
-
-/// Splices of the scene `S`.
-pub(crate) type SplicesOf<S> = <<S as Scene>::Curves as PlayedCurves>::Splices<<S as Scene>::N>;
-
-/// The background's end of them.
-pub(crate) type BackgroundSplices<'q, S> =
-    <SplicesOf<S> as SpliceChannels<<S as Scene>::N, <S as Scene>::Curves>>::Background<'q>;
-
-/// The tick's end of them.
-pub(crate) type TickSplices<'q, S> =
-    <SplicesOf<S> as SpliceChannels<<S as Scene>::N, <S as Scene>::Curves>>::Tick<'q>;
 
 /// Place within a move.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -139,7 +56,7 @@ pub(crate) struct CutOrder {
 
 /// State of splices, for the background.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct SpliceReport {
+pub(crate) struct SpliceReport {
     /// Orders taken so far, modulo 256.
     pub(crate) orders: u8,
     /// The last order to cut was in time, or the chain was given back.
@@ -151,32 +68,24 @@ pub struct SpliceReport {
 }
 
 /// The queues.
-pub struct SpliceQueues<N: ServiceNumber, K: CurveKind> {
+pub(crate) struct SpliceQueues<N: ServiceNumber, K: CurveKind> {
     chains: [Queue<QueuedMove<N, K>, { CHAIN + 1 }>; 2],
     orders: Queue<SpliceOrder, 2>,
     /// Generation of the account that the background shares.
     published: AtomicU8,
 }
 
-impl<N: ServiceNumber + Send, K: CurveKind> SpliceChannels<N, K> for SpliceQueues<N, K>
-where
-    QueuedMove<N, K>: Send,
-{
+impl<N: ServiceNumber, K: CurveKind> Memory for SpliceQueues<N, K> {
     const EMPTY: Self = Self {
         chains: [Queue::new(), Queue::new()],
         orders: Queue::new(),
         published: AtomicU8::new(0),
     };
-    type Report = Present<SpliceReport>;
-    type Background<'q> = Present<SpliceSender<'q, N, K>>;
-    type Tick<'q> = Present<SplicePlayer<'q, N, K>>;
+}
 
-    fn split(
-        &mut self,
-    ) -> (
-        Present<SpliceSender<'_, N, K>>,
-        Present<SplicePlayer<'_, N, K>>,
-    ) {
+impl<N: ServiceNumber, K: CurveKind> SpliceQueues<N, K> {
+    /// Returns both ends.
+    pub(crate) fn split(&mut self) -> (SpliceSender<'_, N, K>, SplicePlayer<'_, N, K>) {
         let [first, second] = self.chains.each_mut().map(Queue::split);
         let (put, take) = self.orders.split();
         let sender = SpliceSender {
@@ -194,20 +103,12 @@ where
             ahead: None,
             report: SpliceReport::default(),
         };
-        (Present(sender), Present(player))
-    }
-
-    #[inline]
-    fn report(of: &Present<SplicePlayer<'_, N, K>>, tick: u32) -> Present<SpliceReport> {
-        Present(SpliceReport {
-            tick,
-            ..of.0.report
-        })
+        (sender, player)
     }
 }
 
 /// End at which the background puts chains and orders in.
-pub struct SpliceSender<'q, N: ServiceNumber, K: CurveKind> {
+pub(crate) struct SpliceSender<'q, N: ServiceNumber, K: CurveKind> {
     pub(crate) chains: [Sender<'q, QueuedMove<N, K>>; 2],
     pub(crate) orders: Sender<'q, SpliceOrder>,
     published: &'q AtomicU8,
@@ -221,7 +122,7 @@ impl<N: ServiceNumber, K: CurveKind> SpliceSender<'_, N, K> {
 }
 
 /// End at which the tick takes chains.
-pub struct SplicePlayer<'q, N: ServiceNumber, K: CurveKind> {
+pub(crate) struct SplicePlayer<'q, N: ServiceNumber, K: CurveKind> {
     chains: [Receiver<'q, QueuedMove<N, K>>; 2],
     orders: Receiver<'q, SpliceOrder>,
     published: &'q AtomicU8,
@@ -237,6 +138,15 @@ pub struct SplicePlayer<'q, N: ServiceNumber, K: CurveKind> {
 }
 
 impl<N: ServiceNumber, K: CurveKind> SplicePlayer<'_, N, K> {
+    /// Report of a tick that is `tick` whole ticks on its move.
+    #[inline]
+    pub(crate) fn report(&self, tick: u32) -> SpliceReport {
+        SpliceReport {
+            tick,
+            ..self.report
+        }
+    }
+
     /// Returns the next order.
     #[inline]
     pub(crate) fn take_order(&mut self) -> Option<SpliceOrder> {

@@ -3,7 +3,7 @@
 use crate::heartbeat::Monitor;
 use crate::line::{Line, ReceivedBytes};
 use crate::log;
-use crate::scene::Scalar;
+use crate::scene::{Interlocks, Scalar};
 use crate::service::{MessageRef, SceneBackground};
 #[cfg(update)]
 use crate::update;
@@ -12,6 +12,7 @@ use heapless::spsc::Consumer;
 use trirrr_protocol::message::Event;
 #[cfg(update)]
 use trirrr_protocol::message::Reply;
+use trirrr_service::Feature;
 
 /// Messages between two slices, at the most: as many as samples wait.
 const MESSAGES: usize = 8;
@@ -143,15 +144,12 @@ fn log_event(event: &Event<Scalar>) {
             defmt::info!("state {=u8}, {=u32} moves done", *state as u8, done);
         }
         Event::Fault(fault) => defmt::error!("fault in tick {=u32}", fault.tick),
-        #[cfg(interlocks)]
-        Event::Inputs(inputs) => defmt::info!(
+        Event::Inputs(inputs) if Interlocks::EXISTS => defmt::info!(
             "emergency stop {=u8}, door {=u8}, probe {=u8}",
             inputs.emergency_stop as u8,
             inputs.door as u8,
             inputs.probe as u8
         ),
-        #[cfg(not(interlocks))]
-        Event::Inputs(_) => {}
-        Event::Probe(_) | Event::Digital(_) => {}
+        Event::Inputs(_) | Event::Probe(_) | Event::Digital(_) => {}
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::inputs::{Angle, Closed, Inputs, Interlocked};
 use crate::outputs::OutputPart;
-use crate::scene::{INPUTS_ACTIVE_HIGH, Scalar};
+use crate::scene::{INPUTS_ACTIVE_HIGH, INPUTS_NAMED, Scalar};
 use core::convert::Infallible;
 use embedded_hal::digital::{InputPin, OutputPin};
 use trirrr_core::tick::Motor;
@@ -102,8 +102,7 @@ impl<I: Inputs, P: InputBits> Inputs for WithSpareInputs<I, P> {
 
     #[inline(always)]
     fn digital(&mut self) -> u8 {
-        const NAMED: u8 = ((1_u16 << crate::scene::DIGITAL.inputs) - 1) as u8;
-        (self.pins.levels() ^ !INPUTS_ACTIVE_HIGH) & NAMED
+        (self.pins.levels() ^ !INPUTS_ACTIVE_HIGH) & INPUTS_NAMED
     }
 
     #[inline(always)]

@@ -2,9 +2,7 @@
 //! `fault-injection` hold them.
 #![allow(unsafe_code)]
 
-#[cfg(interlocks)]
-use crate::inputs::Interlocked;
-use crate::inputs::{Angle, Closed, Inputs};
+use crate::inputs::{Angle, Closed, Inputs, Interlocked};
 use crate::scene::{Scalar, TICK_RATE_HZ};
 use core::hint::black_box;
 use trirrr_core::tick::Motor;
@@ -17,7 +15,6 @@ const FAULT: &str = match option_env!("FAULT") {
 };
 
 /// Failure that is none of the program: a person presses the emergency stop.
-#[cfg(interlocks)]
 const STOP: &str = "emergency-stop";
 
 /// Tick in which the image fails, counted from 0.
@@ -54,7 +51,6 @@ impl<I: Inputs> Inputs for FaultInjection<I> {
     }
 
     /// Pressed from tick [`TICK`] on, whatever the pin says.
-    #[cfg(interlocks)]
     fn interlocks(&mut self) -> Interlocked {
         let told = self.inputs.interlocks();
         Interlocked {
@@ -63,7 +59,6 @@ impl<I: Inputs> Inputs for FaultInjection<I> {
         }
     }
 
-    #[cfg(digital)]
     fn digital(&mut self) -> u8 {
         self.inputs.digital()
     }

@@ -1,25 +1,20 @@
 //! From the machine to the tick: homing switches, or drives that report a stall; emergency stop, door, probe and limit switches.
 
-use crate::scene::Scalar;
-use crate::service::ImageScene;
-#[cfg(any(homing, interlocks))]
+use crate::scene::{self, LimitsAtHoming, Scalar};
 use core::convert::Infallible;
-#[cfg(interlocks)]
-use core::marker::PhantomData;
-#[cfg(any(homing, interlocks))]
 use embedded_hal::digital::InputPin;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::tick::Motor;
-use trirrr_service::{Homing, Scene};
+use trirrr_service::{Feature, InterlockReadings, Optional};
 
 /// Joint angle in the scene's number type.
 pub type Angle = <Scalar as Arithmetic>::Angle;
 
-/// One flag for each motor, set while the switch is closed or the drive stalls; `()` without homing.
-pub type Closed = <<ImageScene as Scene>::Homing as Homing<Scalar>>::Inputs;
+/// One flag for each motor, set while the switch is closed or the drive stalls.
+pub type Closed = [bool; 3];
 
-/// Readings of the contacts of the interlocks; `()` without any.
-pub type Interlocked = trirrr_service::InterlockReadingsOf<ImageScene>;
+/// Readings of the contacts of the interlocks.
+pub type Interlocked = InterlockReadings;
 
 /// Source of a tick's inputs.
 pub trait Inputs {
@@ -34,7 +29,6 @@ pub trait Inputs {
     }
 
     /// Reads the spare inputs: a bit for each, set while it is active.
-    #[cfg(digital)]
     #[inline(always)]
     fn digital(&mut self) -> u8 {
         0
@@ -49,20 +43,18 @@ pub trait Inputs {
 }
 
 /// Inputs of a scene without homing.
-#[cfg(not(homing))]
 pub struct NoInputs;
 
-#[cfg(not(homing))]
 impl Inputs for NoInputs {
     #[inline(always)]
-    fn read(&mut self, _: &[Motor<Scalar>; 3]) -> Closed {}
+    fn read(&mut self, _: &[Motor<Scalar>; 3]) -> Closed {
+        [false; 3]
+    }
 }
 
 /// Switch or stall output of motor 1, 2, 3, at inputs that are pulled up.
-#[cfg(homing)]
 pub struct HomingSwitches<A, B, C>(pub A, pub B, pub C);
 
-#[cfg(homing)]
 impl<A, B, C> Inputs for HomingSwitches<A, B, C>
 where
     A: InputPin<Error = Infallible>,
@@ -73,96 +65,59 @@ where
     fn read(&mut self, _: &[Motor<Scalar>; 3]) -> Closed {
         let Self(first, second, third) = self;
         [first.is_high(), second.is_high(), third.is_high()]
-            .map(|Ok(high)| high == crate::scene::HOMING_ACTIVE_HIGH)
+            .map(|Ok(high)| high == scene::HOMING_ACTIVE_HIGH)
     }
 }
 
 /// A contact to ground at an input that is pulled up.
-#[cfg(interlocks)]
 pub trait InterlockInput {
     /// Returns true if the input is active.
     fn is_active(&mut self) -> bool;
 }
 
-/// Pin `P` that the scene does not name: it is left alone.
-#[cfg(interlocks)]
-pub struct NoInterlockPin<P>(PhantomData<P>);
+/// Contact at the pin `P`, if the scene has the feature `F`; else the pin is left alone. `HIGH`: the input is active while the pin
+/// is high, which it is where the wire breaks.
+pub struct InterlockPin<P, F: Feature, const HIGH: bool>(F::Of<P>);
 
-#[cfg(interlocks)]
-impl<P> NoInterlockPin<P> {
-    /// Leaves the pin as it is: nothing pulls it up.
-    pub fn at(_: impl FnOnce() -> P) -> Self {
-        Self(PhantomData)
-    }
-}
-
-#[cfg(interlocks)]
-impl<P> InterlockInput for NoInterlockPin<P> {
-    #[inline(always)]
-    fn is_active(&mut self) -> bool {
-        false
-    }
-}
-
-/// Contact at the pin `P`. `HIGH`: the input is active while the pin is high, which it is where the wire breaks.
-#[cfg(interlocks)]
-pub struct InterlockPin<P, const HIGH: bool>(P);
-
-#[cfg(interlocks)]
-impl<P, const HIGH: bool> InterlockPin<P, HIGH> {
+impl<P, F: Feature, const HIGH: bool> InterlockPin<P, F, HIGH> {
     /// Contact at the pin that `pull_up` makes an input.
     pub fn at(pull_up: impl FnOnce() -> P) -> Self {
-        Self(pull_up())
+        Self(F::of(pull_up))
     }
 }
 
-#[cfg(interlocks)]
-impl<P: InputPin<Error = Infallible>, const HIGH: bool> InterlockInput for InterlockPin<P, HIGH> {
+impl<P, F: Feature, const HIGH: bool> InterlockInput for InterlockPin<P, F, HIGH>
+where
+    P: InputPin<Error = Infallible>,
+{
     #[inline(always)]
     fn is_active(&mut self) -> bool {
-        let Ok(is_high) = self.0.is_high();
-        is_high == HIGH
+        self.0.get_mut().is_some_and(|pin| {
+            let Ok(is_high) = pin.is_high();
+            is_high == HIGH
+        })
     }
 }
 
-/// The emergency stop at the pin `P`, if the scene names one.
-#[cfg(estop)]
-pub type StopLine<P> = InterlockPin<P, true>;
-/// The scene names no emergency stop.
-#[cfg(all(interlocks, not(estop)))]
-pub type StopLine<P> = NoInterlockPin<P>;
+/// The emergency stop at the pin `P`.
+pub type StopLine<P> = InterlockPin<P, scene::StopPin, true>;
 
-/// The door at the pin `P`, if the scene names one.
-#[cfg(door)]
-pub type DoorLine<P> = InterlockPin<P, { crate::scene::DOOR_OPEN_HIGH }>;
-/// The scene names no door.
-#[cfg(all(interlocks, not(door)))]
-pub type DoorLine<P> = NoInterlockPin<P>;
+/// The door at the pin `P`.
+pub type DoorLine<P> = InterlockPin<P, scene::DoorPin, { scene::DOOR_OPEN_HIGH }>;
 
-/// The probe at the pin `P`, if the scene names one.
-#[cfg(probe)]
-pub type ProbeLine<P> = InterlockPin<P, { crate::scene::PROBE_TOUCHES_HIGH }>;
-/// The scene names no probe.
-#[cfg(all(interlocks, not(probe)))]
-pub type ProbeLine<P> = NoInterlockPin<P>;
+/// The probe at the pin `P`.
+pub type ProbeLine<P> = InterlockPin<P, scene::Probe, { scene::PROBE_TOUCHES_HIGH }>;
 
 /// A limit switch at the pin `P`, if the scene names those with pins of their own.
-#[cfg(limits)]
-pub type MotorLimitLine<P> = InterlockPin<P, { crate::scene::LIMITS_HIGH }>;
-/// The scene names no limit switch with a pin of its own.
-#[cfg(all(interlocks, not(limits)))]
-pub type MotorLimitLine<P> = NoInterlockPin<P>;
+pub type MotorLimitLine<P> = InterlockPin<P, scene::LimitPins, { scene::LIMITS_HIGH }>;
 
 /// Limit switch of motor 1, 2, 3 at a pin of its own, if the scene names those.
-#[cfg(interlocks)]
 pub struct LimitSwitches<A, B, C> {
     own: (MotorLimitLine<A>, MotorLimitLine<B>, MotorLimitLine<C>),
     /// Homing switches of the tick, where the limit switches are those.
-    #[cfg(limits_at_homing)]
-    closed: Closed,
+    closed: <LimitsAtHoming as Feature>::Of<Closed>,
 }
 
-#[cfg(interlocks)]
 impl<A, B, C> LimitSwitches<A, B, C> {
     /// Switches at the pins that these make inputs, of which an image calls those that its scene names.
     pub fn at(
@@ -176,13 +131,11 @@ impl<A, B, C> LimitSwitches<A, B, C> {
                 MotorLimitLine::at(second),
                 MotorLimitLine::at(third),
             ),
-            #[cfg(limits_at_homing)]
-            closed: Default::default(),
+            closed: LimitsAtHoming::of(Closed::default),
         }
     }
 }
 
-#[cfg(interlocks)]
 impl<A, B, C> LimitSwitches<A, B, C>
 where
     A: InputPin<Error = Infallible>,
@@ -194,14 +147,15 @@ where
     fn are_active(&mut self) -> [bool; 3] {
         let (first, second, third) = &mut self.own;
         let active = [first.is_active(), second.is_active(), third.is_active()];
-        #[cfg(limits_at_homing)]
-        let active = [0, 1, 2].map(|i| active[i] || self.closed[i]);
-        active
+        let closed: Option<&Closed> = self.closed.get();
+        match closed {
+            Some(closed) => [0, 1, 2].map(|i| active[i] || closed[i]),
+            None => active,
+        }
     }
 }
 
 /// Switches of homing `I` beside the contacts `C` of emergency stop, door and probe, and the limit switches `L`.
-#[cfg(interlocks)]
 pub struct GuardedInputs<I, C, L> {
     /// Switches of homing.
     pub homing: I,
@@ -211,7 +165,6 @@ pub struct GuardedInputs<I, C, L> {
     pub limits: L,
 }
 
-#[cfg(interlocks)]
 impl<I, S, D, P, A, B, C> Inputs for GuardedInputs<I, (S, D, P), LimitSwitches<A, B, C>>
 where
     I: Inputs,
@@ -222,14 +175,12 @@ where
     B: InputPin<Error = Infallible>,
     C: InputPin<Error = Infallible>,
 {
-    // A unit without homing.
-    #[allow(clippy::let_unit_value, clippy::unit_arg)]
     #[inline(always)]
     fn read(&mut self, motors: &[Motor<Scalar>; 3]) -> Closed {
         let closed = self.homing.read(motors);
-        #[cfg(limits_at_homing)]
-        {
-            self.limits.closed = closed;
+        let at_limits: Option<&mut Closed> = self.limits.closed.get_mut();
+        if let Some(at_limits) = at_limits {
+            *at_limits = closed;
         }
         closed
     }

@@ -3,32 +3,24 @@
 use crate::inputs::Angle;
 use crate::scene::Scalar;
 use crate::service::{Output, Readings};
-#[cfg(brake)]
+use core::ops::Deref;
 use embedded_hal::digital::OutputPin;
-use trirrr_drives::Failure;
-#[cfg(not(feedback))]
+use trirrr_core::number::Arithmetic;
+use trirrr_drives::bldc::{Bldcs, LoopLine};
+use trirrr_drives::can::{Bus, CanDrives, Protocol};
 use trirrr_drives::stepper::Steppers;
 #[cfg(not(tool = "none"))]
 use trirrr_drives::tool::{ToolLine, ToolOutput};
-use trirrr_protocol::message::State;
-#[cfg(feedback)]
-use {
-    core::ops::Deref,
-    trirrr_drives::ObeyingDrives,
-    trirrr_drives::bldc::{Bldcs, LoopLine},
-    trirrr_drives::can::{Bus, CanDrives, Protocol},
-};
+use trirrr_drives::{Failure, ObeyingDrives};
+use trirrr_protocol::message::{DriveReading, State};
 
 /// Sink of a tick's output: the drives of a board.
 pub trait Outputs {
-    /// Returns what the drives tell, before a tick. Without `[feedback]` in the scene they tell nothing.
-    #[cfg(not(feedback))]
+    /// Returns what the drives tell, before a tick. Drives that tell nothing are silent.
     #[inline(always)]
-    fn measure(&mut self) -> Readings {}
-
-    /// Returns what the drives tell, before a tick.
-    #[cfg(feedback)]
-    fn measure(&mut self) -> Readings;
+    fn measure(&mut self) -> Readings {
+        [DriveReading::unheard(Scalar::angle(Scalar::ZERO)); 3]
+    }
 
     /// Carries out the output of a tick, once per tick. Drives are off unless [`is_on`](trirrr_service::Output::is_on).
     ///
@@ -55,7 +47,6 @@ pub trait Outputs {
     }
 
     /// Switches the spare outputs, a bit for each. As [`work`](Self::work), also behind a tick with a fault.
-    #[cfg(digital)]
     #[inline(always)]
     fn switch(&mut self, outputs: u8) {
         let _ = outputs;
@@ -71,7 +62,6 @@ pub trait Outputs {
 /// Outputs of a scene without drives: nothing but telemetry leaves the board.
 pub struct NoOutputs;
 
-#[cfg(not(feedback))]
 impl Outputs for NoOutputs {
     fn apply(&mut self, _: &Output) -> Result<(), Failure<Scalar>> {
         Ok(())
@@ -83,7 +73,6 @@ pub type NoDriveTimer = ();
 
 // `inline`: compiled for speed in the board's crate.
 
-#[cfg(not(feedback))]
 impl Outputs for Steppers<'_, Scalar> {
     #[inline(always)]
     fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
@@ -101,7 +90,6 @@ impl Outputs for Steppers<'_, Scalar> {
     }
 }
 
-#[cfg(feedback)]
 impl<L: Deref<Target = LoopLine>> Outputs for Bldcs<L> {
     #[inline(always)]
     fn measure(&mut self) -> Readings {
@@ -120,7 +108,6 @@ impl<L: Deref<Target = LoopLine>> Outputs for Bldcs<L> {
     }
 }
 
-#[cfg(feedback)]
 impl<P: Protocol, B: Bus> Outputs for CanDrives<Scalar, P, B> {
     #[inline(always)]
     fn measure(&mut self) -> Readings {
@@ -139,7 +126,6 @@ impl<P: Protocol, B: Bus> Outputs for CanDrives<Scalar, P, B> {
 }
 
 /// Drives of a board, or of an emulated one, which has neither bus nor encoders.
-#[cfg(feedback)]
 pub enum OrEmulated<D> {
     /// Those of the board.
     Real(D),
@@ -147,7 +133,6 @@ pub enum OrEmulated<D> {
     Emulated(ObeyingDrives<Scalar>),
 }
 
-#[cfg(feedback)]
 impl<D: Outputs> Outputs for OrEmulated<D> {
     #[inline(always)]
     fn measure(&mut self) -> Readings {
@@ -191,7 +176,6 @@ pub trait OutputPart {
     }
 
     /// As [`Outputs::switch`].
-    #[cfg(digital)]
     #[inline(always)]
     fn switch(&mut self, outputs: u8) {
         let _ = outputs;
@@ -223,7 +207,6 @@ impl<A: OutputPart, B: OutputPart, C: OutputPart, D: OutputPart> OutputPart for 
         self.3.work(power, runs);
     }
 
-    #[cfg(digital)]
     #[inline(always)]
     fn switch(&mut self, outputs: u8) {
         self.0.switch(outputs);
@@ -276,7 +259,6 @@ impl<D: Outputs, P: OutputPart> Outputs for WithParts<D, P> {
         self.parts.work(power, runs);
     }
 
-    #[cfg(digital)]
     #[inline(always)]
     fn switch(&mut self, outputs: u8) {
         self.parts.switch(outputs);
@@ -289,10 +271,8 @@ impl<D: Outputs, P: OutputPart> Outputs for WithParts<D, P> {
 }
 
 /// Pin of a brake, which is high while the brake is released.
-#[cfg(brake)]
 pub struct BrakePin<P>(P);
 
-#[cfg(brake)]
 impl<P: OutputPin> BrakePin<P> {
     /// Puts the brake on.
     pub fn new(mut pin: P) -> Self {
@@ -302,7 +282,6 @@ impl<P: OutputPin> BrakePin<P> {
     }
 }
 
-#[cfg(brake)]
 impl<P: OutputPin> OutputPart for BrakePin<P> {
     #[inline(always)]
     fn apply(&mut self, output: &Output) {

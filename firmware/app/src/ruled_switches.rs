@@ -33,7 +33,6 @@ impl<I: Inputs> Inputs for RuledInputs<I> {
         self.inputs.interlocks()
     }
 
-    #[cfg(digital)]
     fn digital(&mut self) -> u8 {
         self.inputs.digital()
     }

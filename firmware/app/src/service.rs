@@ -1,125 +1,62 @@
 //! Service of the scene: its types, its memory, its construction.
 
-#[cfg(all(contact, not(scene_over_line)))]
-use crate::scene::CONTACT;
-#[cfg(all(feedback, not(scene_over_line)))]
-use crate::scene::FEEDBACK;
-#[cfg(all(homing, not(scene_over_line)))]
-use crate::scene::HOMING;
-#[cfg(levels)]
-use crate::scene::LEVELS;
-#[cfg(not(adjustable))]
-use crate::scene::{BATCHES, COEFFICIENTS, PARTS};
-use crate::scene::{Curves, Model, NAME, Planner, Scalar, TICK_RATE_HZ};
-#[cfg(interlocks)]
-use crate::scene::{INPUTS, INTERLOCKS, Probe};
-#[cfg(all(adjustable, not(scene_over_line)))]
-use crate::scene::{LIMITS, PARAMETERS};
-#[cfg(not(scene_over_line))]
-use crate::scene::{SETTINGS, START};
-#[cfg(scene_over_line)]
-use crate::stored_scene::{self, PlayedScene};
-#[cfg(update)]
-use crate::update::NewImage;
+use crate::scene::{self, Curves, LEVELS, Model, NAME, Planner, Scalar, TICK_RATE_HZ};
+use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{self, Board, Clock, Firmware, Start};
-#[cfg(adjustable)]
-use trirrr_service::Adjustable;
-#[cfg(not(adjustable))]
-use trirrr_service::Compiled;
-#[cfg(contact)]
-use trirrr_service::WithContact;
-#[cfg(feedback)]
-use trirrr_service::WithFeedback;
-#[cfg(homing)]
-use trirrr_service::WithHoming;
-#[cfg(interlocks)]
-use trirrr_service::WithInterlocks;
-#[cfg(levels)]
-use trirrr_service::WithLevels;
-#[cfg(update)]
-use trirrr_service::WithUpdate;
-use trirrr_service::{Scene, Settings};
+use trirrr_service::{Feature, PartOf, SceneParts, Settings};
 
 #[cfg(contact_refused)]
 compile_error!(
     "[contact] needs a number type with a floating point: build the image with TRIRRR_SCALAR=f32, or leave [contact] out"
 );
 
-/// Places for moves; one stays empty. At one tick a move, and 1 kHz, the machine has a quarter of a second to live on.
-#[cfg(not(any(levels, small)))]
-const MOVES: usize = 257;
-/// Power lists take the room of some.
-#[cfg(all(levels, not(small)))]
-const MOVES: usize = 225;
-/// The RAM of an RP2040 holds the program, too. With moves of 4 ms, the shortest of a plan, the machine has half a second to live on.
-#[cfg(small)]
-const MOVES: usize = 129;
+/// Places for moves; one stays empty. At one tick a move, and 1 kHz, the machine has a quarter of a second to live on; power
+/// lists take the room of some. The RAM of an RP2040 holds the program, too: with moves of 4 ms, the shortest of a plan, the
+/// machine has half a second to live on.
+const MOVES: usize = match (cfg!(small), scene::Levels::EXISTS) {
+    (true, _) => 129,
+    (false, true) => 225,
+    (false, false) => 257,
+};
 
 /// Places for telemetry samples; one stays empty. The background sends while the tick adds.
 const SAMPLES: usize = 8;
 
 /// Machine with its limits: a client may change them, or the coefficients are in the image.
 #[cfg(not(adjustable))]
-type MachineScene = Compiled<'static, Model, Curves, Planner, BATCHES>;
+pub(crate) type Machine = trirrr_service::Compiled<'static, Model, Curves, Planner>;
 #[cfg(adjustable)]
-type MachineScene = Adjustable<Model, Curves, Planner>;
+pub(crate) type Machine = trirrr_service::Adjustable<Model, Curves, Planner>;
 
-/// Scene with its power lists, if it plays any.
-#[cfg(not(levels))]
-type LevelScene = MachineScene;
-#[cfg(levels)]
-type LevelScene = WithLevels<MachineScene, { LEVELS as usize }>;
-
-/// The same with its homing, if it has any.
-#[cfg(not(homing))]
-type HomedScene = LevelScene;
-#[cfg(homing)]
-type HomedScene = WithHoming<'static, LevelScene>;
-
-/// The same with its feedback, if its drives tell where they are.
-#[cfg(not(feedback))]
-type MeasuredScene = HomedScene;
-#[cfg(feedback)]
-type MeasuredScene = WithFeedback<'static, HomedScene>;
-
-/// The same with its detection of contacts, if it has any.
-#[cfg(not(contact))]
-type FeelingScene = MeasuredScene;
-#[cfg(contact)]
-type FeelingScene = WithContact<'static, MeasuredScene, Retreat>;
-
-/// The same with its emergency stop, its door, its limit switches and its probe, if it has any.
-#[cfg(not(interlocks))]
-type GuardedScene = FeelingScene;
-#[cfg(interlocks)]
-type GuardedScene = WithInterlocks<FeelingScene, INPUTS, Probe>;
-
-/// The same with its spare outputs and inputs, if it has any.
-#[cfg(not(digital))]
-type SwitchedScene = GuardedScene;
-#[cfg(digital)]
-type SwitchedScene = trirrr_service::WithDigital<GuardedScene>;
-
-/// Scene of this image. Its program may be replaced over the line.
+/// Place of another image, where the program may be replaced over the line.
 #[cfg(not(update))]
-pub(crate) type ImageScene = SwitchedScene;
+pub(crate) type Update = ();
 #[cfg(update)]
-pub(crate) type ImageScene = WithUpdate<SwitchedScene, NewImage>;
+pub(crate) type Update = crate::update::NewImage;
 
-/// Retreat of this image after a contact.
-#[cfg(all(contact, not(retreat)))]
-use trirrr_service::NoRetreat as Retreat;
-#[cfg(retreat)]
-use trirrr_service::Retreats as Retreat;
+trirrr_service::scene! {
+    /// Scene of this image.
+    pub ImageScene: Machine,
+    batches = scene::Batches,
+    update = Update,
+    levels = scene::Levels,
+    homing = scene::Homing,
+    feedback = scene::Feedback,
+    contact = scene::Contact,
+    retreat = scene::Retreat,
+    interlocks = scene::Interlocks,
+    probe = scene::Probe,
+    digital = scene::Digital
+}
 
 /// Content of what the drives tell in a tick.
-pub type Readings = trirrr_service::ReadingsOf<ImageScene>;
+pub type Readings = trirrr_service::Readings<Scalar>;
 
 /// A part of the scene in a reply.
-type ScenePart = <ImageScene as Scene>::Part;
+type ScenePart = PartOf<ImageScene>;
 
 /// Memory between both halves.
-pub type Channels = trirrr_service::Channels<ImageScene, MOVES, SAMPLES>;
+pub type Channels = trirrr_service::Channels<ImageScene, MOVES, SAMPLES, LEVELS>;
 
 /// Half that ticks.
 pub(crate) type SceneForeground = trirrr_service::Foreground<'static, ImageScene>;
@@ -139,109 +76,54 @@ pub(crate) type Request = trirrr_service::RequestOf<ImageScene>;
 /// Output of a tick.
 pub type Output = trirrr_service::Output<Scalar>;
 
-/// Builds both halves of the scene's service. The machine stands at the start of its job.
-// A call: inlined, the board's crate would compile it for speed.
-#[cfg(scene_over_line)]
-#[inline(never)]
-pub fn build(
-    channels: &'static mut Channels,
-    board: Board,
-    firmware: &'static Firmware,
-) -> (SceneForeground, SceneBackground) {
-    // Before the frame of the rest: the check of a scene in the flash takes a third of the stack.
-    let played = stored_scene::played();
-    build_scene(channels, board, firmware, &played)
+/// Values of the scene that is played: parts, start, and settings.
+pub(crate) type PlayedScene = (
+    SceneParts<'static, ImageScene>,
+    Pose<Scalar>,
+    Settings<Scalar>,
+);
+
+/// The image's own scene.
+pub(crate) fn own_scene(update: Update) -> PlayedScene {
+    #[cfg(not(adjustable))]
+    let machine = Machine {
+        coefficients: &scene::COEFFICIENTS,
+        parts: scene::PARTS,
+        types: core::marker::PhantomData,
+    };
+    #[cfg(adjustable)]
+    let machine = Machine::new(scene::PARAMETERS, scene::LIMITS);
+    (scene::parts(machine, update), scene::START, scene::SETTINGS)
 }
 
 /// Builds both halves of the scene's service. The machine stands at the start of its job.
 // A call: inlined, the board's crate would compile it for speed.
 #[inline(never)]
-#[cfg(not(scene_over_line))]
 pub fn build(
     channels: &'static mut Channels,
     board: Board,
     firmware: &'static Firmware,
 ) -> (SceneForeground, SceneBackground) {
-    build_scene(channels, board, firmware)
+    #[cfg(update)]
+    let update = crate::update::NewImage::new(firmware);
+    #[cfg(not(update))]
+    let update = ();
+    // Before the frame of the rest: the check of a scene in the flash takes a third of the stack.
+    #[cfg(scene_over_line)]
+    let played = crate::stored_scene::played(update);
+    #[cfg(not(scene_over_line))]
+    let played = own_scene(update);
+    build_scene(channels, board, firmware, played)
 }
 
 #[cfg_attr(scene_over_line, inline(never))]
-#[cfg_attr(not(scene_over_line), inline(always))]
 fn build_scene(
     channels: &'static mut Channels,
     board: Board,
     firmware: &'static Firmware,
-    #[cfg(scene_over_line)] played: &PlayedScene,
+    (parts, start, own): PlayedScene,
 ) -> (SceneForeground, SceneBackground) {
-    #[cfg(not(adjustable))]
-    let scene = Compiled {
-        coefficients: &COEFFICIENTS,
-        parts: PARTS,
-        types: core::marker::PhantomData,
-    };
-    #[cfg(all(adjustable, not(scene_over_line)))]
-    let scene = MachineScene::new(PARAMETERS, LIMITS);
-    #[cfg(not(scene_over_line))]
-    let (start, own) = (START, SETTINGS);
-    #[cfg(scene_over_line)]
-    let PlayedScene {
-        parameters,
-        limits,
-        start,
-        settings: own,
-        #[cfg(homing)]
-        homing,
-        #[cfg(feedback)]
-        feedback,
-        #[cfg(contact)]
-        contact,
-    } = *played;
-    #[cfg(scene_over_line)]
-    let scene = MachineScene::new(parameters, limits);
-    #[cfg(levels)]
-    let scene = WithLevels {
-        scene,
-        room: LEVELS,
-    };
-    #[cfg(all(homing, not(scene_over_line)))]
-    let homing = &HOMING;
-    #[cfg(homing)]
-    let scene = WithHoming {
-        scene,
-        homing: Some(homing),
-    };
     log_start(&board);
-    #[cfg(all(feedback, not(scene_over_line)))]
-    let feedback = &FEEDBACK;
-    #[cfg(feedback)]
-    let scene = WithFeedback {
-        scene,
-        feedback: Some(feedback),
-    };
-    #[cfg(all(contact, not(scene_over_line)))]
-    let contact = &CONTACT;
-    #[cfg(contact)]
-    let scene = WithContact {
-        scene,
-        contact: Some(contact),
-        retreat: Retreat,
-    };
-    #[cfg(interlocks)]
-    let scene = WithInterlocks {
-        scene,
-        parameters: INTERLOCKS,
-        probe: core::marker::PhantomData,
-    };
-    #[cfg(digital)]
-    let scene = trirrr_service::WithDigital {
-        scene,
-        parameters: crate::scene::DIGITAL,
-    };
-    #[cfg(update)]
-    let scene = WithUpdate {
-        scene,
-        slot: NewImage::new(firmware),
-    };
     // The reader of the scene refuses a start out of reach. The error is not formatted: that would bring
     // floats as text into the image.
     let settings = Settings {
@@ -249,7 +131,7 @@ fn build_scene(
         firmware,
         ..own
     };
-    let Ok(halves) = channels.split(scene, start, settings) else {
+    let Ok(halves) = channels.split(parts, start, settings) else {
         panic!("the start is out of reach");
     };
     halves

@@ -1,36 +1,23 @@
 //! Scene that has come over the line: kept in the flash, and played from the next start on in place of the image's own.
 
 use crate::image_flash::{ImageFlash, LAYOUT};
-#[cfg(feedback)]
-use crate::scene::FEEDBACK;
-#[cfg(homing)]
-use crate::scene::HOMING;
-#[cfg(contact)]
-use crate::scene::{CONTACT, PERIOD_S};
-use crate::scene::{Curves, Model, Planner, SCENE_OWNER, SETTINGS, START, Scalar, TYPES};
-use crate::scene::{LIMITS, PARAMETERS};
-use crate::update::flash_refusal;
+use crate::scene::{Contact, Curves, Feedback, Homing, Model, PERIOD_S, Planner};
+use crate::scene::{SCENE_OWNER, SETTINGS, Scalar, TYPES};
+use crate::service::{ImageScene, Machine, PlayedScene, own_scene};
+use crate::update::{NewImage, flash_refusal};
 #[cfg(drive = "stepper")]
 use core::cell::Cell;
 #[cfg(drive = "stepper")]
 use cortex_m::interrupt::{self, Mutex};
 use trirrr_boot::{Slot, WholeImage, keep, kept, read, spare};
-use trirrr_core::limits::LimitParameters;
-use trirrr_core::machine::Parameters;
-#[cfg(homing)]
+use trirrr_core::machine::Geometry;
 use trirrr_core::number::WideArithmetic as _;
-use trirrr_core::setpoint::Pose;
 #[cfg(drive = "stepper")]
 use trirrr_drives::stepper::StepsPerTurn;
 use trirrr_protocol::message::{SceneHeader, SceneRoom, UpdateRefusal};
 use trirrr_protocol::wire::of_bytes;
-#[cfg(contact)]
-use trirrr_service::ContactCoefficients;
-#[cfg(feedback)]
-use trirrr_service::FeedbackCoefficients;
-#[cfg(homing)]
-use trirrr_service::HomingCoefficients;
-use trirrr_service::{SceneValues, Settings};
+use trirrr_service::{ContactCoefficients, Feature, FeedbackCoefficients, HomingCoefficients};
+use trirrr_service::{SceneParts, SceneValues, Settings};
 
 /// Room for the values of a scene.
 pub(crate) const ROOM: SceneRoom = SceneRoom {
@@ -72,9 +59,9 @@ pub(crate) fn keep_values(
 #[inline(never)]
 fn values(bytes: &[u8]) -> Result<SceneValues, UpdateRefusal> {
     let values: SceneValues = of_bytes(bytes).ok_or(UpdateRefusal::SceneLayout)?;
-    let is_of_types = values.homing.is_some() == cfg!(homing)
-        && values.feedback.is_some() == cfg!(feedback)
-        && values.contact.is_some() == cfg!(contact)
+    let is_of_types = values.homing.is_some() == Homing::EXISTS
+        && values.feedback.is_some() == Feedback::EXISTS
+        && values.contact.is_some() == Contact::EXISTS
         && values.steppers.is_some() == cfg!(drive = "stepper");
     match is_of_types {
         true => values.check::<Model, Curves, Planner>(&SETTINGS)?,
@@ -92,20 +79,6 @@ fn stored() -> Option<SceneValues> {
         .find_map(|kept| values(kept.read(&flash, &mut room)?).ok())
 }
 
-/// Scene that is played.
-pub(crate) struct PlayedScene {
-    pub(crate) parameters: Parameters,
-    pub(crate) limits: LimitParameters,
-    pub(crate) start: Pose<Scalar>,
-    pub(crate) settings: Settings<Scalar>,
-    #[cfg(homing)]
-    pub(crate) homing: &'static HomingCoefficients<Scalar>,
-    #[cfg(feedback)]
-    pub(crate) feedback: &'static FeedbackCoefficients<Scalar>,
-    #[cfg(contact)]
-    pub(crate) contact: &'static ContactCoefficients<Scalar>,
-}
-
 /// Steps in a turn of each joint, and the motors that turn against theirs.
 #[cfg(drive = "stepper")]
 type Steps = ([StepsPerTurn; 3], [bool; 3]);
@@ -120,53 +93,45 @@ pub(crate) fn steps() -> Option<Steps> {
     interrupt::free(|token| STEPS.borrow(token).get())
 }
 
-/// The image's own scene.
-const OWN: PlayedScene = PlayedScene {
-    parameters: PARAMETERS,
-    limits: LIMITS,
-    start: START,
-    settings: SETTINGS,
-    #[cfg(homing)]
-    homing: &HOMING,
-    #[cfg(feedback)]
-    feedback: &FEEDBACK,
-    #[cfg(contact)]
-    contact: &CONTACT,
-};
-
 /// The scene in the flash, or the image's own. To be called once.
 #[inline(never)]
-pub(crate) fn played() -> PlayedScene {
+pub(crate) fn played(update: NewImage) -> PlayedScene {
+    let (mut parts, start, settings) = own_scene(update);
     let Some(values) = stored() else {
-        return OWN;
+        return (parts, start, settings);
     };
     defmt::info!("scene from the flash, key {=u32:#x}", values.key);
-    build(&values).unwrap_or(OWN)
+    match build(&values, &mut parts) {
+        Some(settings) => (parts, values.start(), settings),
+        None => (parts, start, settings),
+    }
 }
 
-/// Builds what the image has as constants. `None` where that was done before, or a coefficient cannot be built, which is refused with the
-/// values.
+/// Builds what the image has as constants in the place of its own. `None` where that was done before, or a coefficient cannot be
+/// built, which is refused with the values.
 #[inline(never)]
-fn build(values: &SceneValues) -> Option<PlayedScene> {
+fn build(
+    values: &SceneValues,
+    parts: &mut SceneParts<'static, ImageScene>,
+) -> Option<Settings<Scalar>> {
     let settings = values.settings(&SETTINGS);
-    let (parameters, start) = (values.parameters(), values.start());
-    #[cfg(homing)]
-    let homing = {
+    let parameters = values.parameters();
+    let (mut homing, mut feedback, mut contact) = (None, None, None);
+    if Homing::EXISTS {
         let period = Scalar::factor_to_f64(settings.period);
         let built = HomingCoefficients::build(&values.homing?, period);
-        cortex_m::singleton!(: HomingCoefficients<Scalar> = built)?
-    };
-    #[cfg(feedback)]
-    let feedback = {
-        let geometry = trirrr_core::machine::Geometry::build(&parameters).ok()?;
+        homing = Some(&*cortex_m::singleton!(: HomingCoefficients<Scalar> = built)?);
+    }
+    if Feedback::EXISTS {
+        let geometry = Geometry::build(&parameters).ok()?;
+        let start = values.start();
         let built = FeedbackCoefficients::build(&values.feedback?, &parameters, &geometry, start)?;
-        cortex_m::singleton!(: FeedbackCoefficients<Scalar> = built)?
-    };
-    #[cfg(contact)]
-    let contact = {
+        feedback = Some(&*cortex_m::singleton!(: FeedbackCoefficients<Scalar> = built)?);
+    }
+    if Contact::EXISTS {
         let built = ContactCoefficients::build(&values.contact?, PERIOD_S)?;
-        cortex_m::singleton!(: ContactCoefficients<Scalar> = built)?
-    };
+        contact = Some(&*cortex_m::singleton!(: ContactCoefficients<Scalar> = built)?);
+    }
     #[cfg(drive = "stepper")]
     {
         let steppers = values.steppers?;
@@ -174,16 +139,7 @@ fn build(values: &SceneValues) -> Option<PlayedScene> {
         let steps = (per_turn, steppers.map(|motor| motor.reversed));
         interrupt::free(|token| STEPS.borrow(token).set(Some(steps)));
     }
-    Some(PlayedScene {
-        parameters,
-        limits: values.limits(),
-        start,
-        settings,
-        #[cfg(homing)]
-        homing,
-        #[cfg(feedback)]
-        feedback,
-        #[cfg(contact)]
-        contact,
-    })
+    parts.machine = Machine::new(parameters, values.limits());
+    (parts.homing, parts.feedback, parts.contact) = (homing, feedback, contact);
+    Some(settings)
 }

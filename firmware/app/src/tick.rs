@@ -48,18 +48,9 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
 
     #[inline]
     fn step(&mut self) {
-        // A unit without homing.
-        #[allow(clippy::let_unit_value)]
         let closed = self.inputs.read(&self.foreground.output().motors);
-        // A unit without feedback, too.
-        #[allow(clippy::let_unit_value)]
-        let readings = self.outputs.measure();
-        #[allow(clippy::unit_arg)]
-        self.foreground.hear(readings);
-        // And without interlocks.
-        #[allow(clippy::unit_arg)]
+        self.foreground.hear(self.outputs.measure());
         self.foreground.sense(self.inputs.interlocks());
-        #[cfg(digital)]
         self.foreground.sense_digital(self.inputs.digital());
         self.foreground.tick_with(closed);
         if let Some(by) = self.foreground.shift() {
@@ -78,7 +69,6 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
     fn work(&mut self) {
         let runs = self.foreground.tool_runs();
         self.outputs.work(self.foreground.output().tool, runs);
-        #[cfg(digital)]
         self.outputs.switch(self.foreground.digital_outputs());
     }
 

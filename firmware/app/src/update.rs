@@ -123,6 +123,8 @@ impl NewImage {
 }
 
 impl ImageSlot for NewImage {
+    type Step = UpdateStep;
+
     fn step(&mut self, step: &UpdateStep) -> Result<(), UpdateRefusal> {
         let mut flash = ImageFlash::take();
         match step {
@@ -144,7 +146,7 @@ impl ImageSlot for NewImage {
         }
     }
 
-    fn status(&self) -> UpdateStatus {
+    fn status(&self) -> Option<UpdateStatus> {
         let outcome = match stage(&ImageFlash::take(), &LAYOUT) {
             Stage::None => UpdateOutcome::Never,
             // The boot loader leaves none of the other two behind.
@@ -153,7 +155,7 @@ impl ImageSlot for NewImage {
             Stage::Confirmed(_) => UpdateOutcome::Confirmed,
             Stage::Reverted(_) => UpdateOutcome::Reverted,
         };
-        UpdateStatus {
+        Some(UpdateStatus {
             start: LAYOUT.program.start,
             room: LAYOUT.new.bytes(),
             coming: self.receiver.image().map(|image| image.checksum),
@@ -163,7 +165,7 @@ impl ImageSlot for NewImage {
             scene: None,
             #[cfg(scene_over_line)]
             scene: Some(stored_scene::ROOM),
-        }
+        })
     }
 }
 

@@ -60,9 +60,10 @@ pub fn units(scene: &Scene, scalar: &str) -> Result<Units, RangeError> {
 /// `SCENE` names the scene, as a path relative to `root`; the default is `scenes/thesis.toml`. `TRIRRR_SCALAR`
 /// names the number type; the default is the scene's own, with `f32` for `f64`, which is for hosts.
 ///
-/// Sets the kind of the scene's drives as `cfg(drive = "...")`, that of its tool as `cfg(tool = "...")`, `cfg(homing)` for a
-/// scene with homing, `cfg(interlocks)` for one with inputs, of which `cfg(estop)`, `cfg(door)`, `cfg(probe)` and `cfg(limits)` are there (`cfg(limits_at_homing)` where limit switches are those of homing), `cfg(digital)` for one with spare outputs or inputs, `cfg(levels)` for one with power lists, `cfg(update)` for one whose program may be replaced over the line, `cfg(scene_over_line)` for one that takes other scenes, `cfg(adjustable)` for one that clients may change, and `cfg(contact)` for one
-/// that detects contacts. A package with a `links` key hands them on to the build scripts of its dependents, with the [needs](Needs) of the scene. Cargo warns of
+/// The file names the [features](trirrr_service::Feature) of the scene as types. Sets as `cfg`s what source depends on beside them:
+/// `drive = "..."` and `tool = "..."`, the kinds of drives and tool; `homing`, `brake`, `lamp`, `digital`; `update` for a program that may
+/// be replaced over the line, `scene_over_line` for one that takes other scenes, `adjustable` for one that clients may change. A package
+/// with a `links` key hands them on to the build scripts of its dependents, with the [needs](Needs) of the scene. Cargo warns of
 /// a scene that lacks limits of its motors.
 ///
 /// # Errors
@@ -176,24 +177,6 @@ fn print_kinds(scene: &Scene) {
     if scene.spare_pins.are_named() {
         println!("cargo:rustc-cfg=digital");
     }
-    println!("cargo:rustc-check-cfg=cfg(interlocks, estop, door, probe, limits, limits_at_homing)");
-    let interlocks = &scene.inputs.interlocks;
-    for (name, is_named) in [
-        ("interlocks", scene.inputs.are_named()),
-        ("estop", interlocks.emergency_stop.is_some()),
-        ("door", interlocks.door.is_some()),
-        ("probe", interlocks.probe.is_some()),
-        ("limits", scene.inputs.has_limit_pins()),
-        ("limits_at_homing", scene.inputs.limits_share_homing),
-    ] {
-        if is_named {
-            println!("cargo:rustc-cfg={name}");
-        }
-    }
-    println!("cargo:rustc-check-cfg=cfg(levels)");
-    if scene.service.power_lists > 0 {
-        println!("cargo:rustc-cfg=levels");
-    }
     println!("cargo:rustc-check-cfg=cfg(adjustable)");
     if scene.service.adjustable {
         println!("cargo:rustc-cfg=adjustable");
@@ -207,9 +190,7 @@ fn print_kinds(scene: &Scene) {
     if scene.service.scene_over_line {
         println!("cargo:rustc-cfg=scene_over_line");
     }
-    println!("cargo:rustc-check-cfg=cfg(feedback)");
     if scene.feedback.is_some() {
-        println!("cargo:rustc-cfg=feedback");
         println!("cargo:feedback=yes");
     }
 }
@@ -223,17 +204,11 @@ fn print_kind(name: &str, kinds: &[&str], kind: &str) {
     println!("cargo:rustc-cfg={name}={kind:?}");
 }
 
-/// Sets `cfg(contact)` for a scene that detects contacts, and `cfg(retreat)` if it goes back then, or `cfg(contact_refused)` where the number type `scalar` cannot.
+/// Sets `cfg(contact_refused)` for a scene that detects contacts, where the number type `scalar` cannot.
 fn print_contact(scene: &Scene, scalar: &str) {
-    println!("cargo:rustc-check-cfg=cfg(contact, contact_refused, retreat)");
-    let retreats = |contact: &trirrr_scene::Contact| contact.retreat_s > 0.0;
-    if scene.contact.as_ref().is_some_and(retreats) && scalar != FIXED {
-        println!("cargo:rustc-cfg=retreat");
-    }
-    match (scene.contact.is_some(), scalar == FIXED) {
-        (true, false) => println!("cargo:rustc-cfg=contact"),
-        (true, true) => println!("cargo:rustc-cfg=contact_refused"),
-        (false, _) => {}
+    println!("cargo:rustc-check-cfg=cfg(contact_refused)");
+    if scene.contact.is_some() && scalar == FIXED {
+        println!("cargo:rustc-cfg=contact_refused");
     }
 }
 

@@ -11,8 +11,8 @@ use trirrr_protocol::message::{
 use trirrr_protocol::wire::schema::{key, longest};
 use trirrr_protocol::wire::{Counters, Decoder, checksum, decoded_length, encode, frame_length};
 use trirrr_service::{
-    Adjustable, Channels, Output, PowerTimes, Ramp, Reactions, SceneIdentity, Service,
-    ServiceNumber, Settings, WithLevels, name,
+    Adjustable, Channels, NoImage, On, Output, PowerTimes, Ramp, Reactions, SceneIdentity,
+    SceneParts, Service, ServiceNumber, Settings, name, scene,
 };
 
 /// Ticks per second.
@@ -38,13 +38,20 @@ pub type RequestDecoder = Decoder<LONGEST_REQUEST>;
 pub type MessageDecoder = Decoder<LONGEST_MESSAGE>;
 
 /// The queues of a [`Device`].
-pub type DeviceChannels = Channels<DeviceScene, { QUEUE + 1 }, 64>;
+pub type DeviceChannels = DeviceRoom<f64, { QUEUE + 1 }>;
+
+/// The same with room for another number of moves, less one.
+pub type DeviceRoom<N, const MOVES: usize> =
+    Channels<DeviceScene<N>, MOVES, 64, { LEVELS as usize }>;
 
 /// Levels of power for which the device has room.
 pub const LEVELS: u16 = 1024;
 
-/// The thesis machine, whose parts can be changed, with power lists.
-pub type DeviceScene<N = f64> = WithLevels<Adjustable<Dynamic<N>>, { LEVELS as usize }>;
+scene! {
+    /// The thesis machine, whose parts can be changed, with power lists.
+    pub DeviceScene [N: ServiceNumber] [N]: Adjustable<Dynamic<N>>,
+    batches = On, update = NoImage, levels = On
+}
 
 /// The service, and a decoder in front of it that lets a test see every request.
 pub struct Device<'q, N: ServiceNumber = f64> {
@@ -76,7 +83,7 @@ impl<'q> Device<'q> {
     /// Switches the machine on, at [`home`], with its drives off. `silence_ticks`: silence after which it stops, 0 for
     /// never.
     pub fn new<const MOVES: usize>(
-        channels: &'q mut Channels<DeviceScene, MOVES, 64>,
+        channels: &'q mut DeviceRoom<f64, MOVES>,
         limits: LimitParameters,
         silence_ticks: u32,
     ) -> Self {
@@ -85,7 +92,7 @@ impl<'q> Device<'q> {
 
     /// Switches the machine on, and its drives.
     pub fn enabled<const MOVES: usize>(
-        channels: &'q mut Channels<DeviceScene, MOVES, 64>,
+        channels: &'q mut DeviceRoom<f64, MOVES>,
         limits: LimitParameters,
         silence_ticks: u32,
     ) -> Self {
@@ -101,7 +108,7 @@ impl<'q> Device<'q> {
 impl<'q, N: ServiceNumber> Device<'q, N> {
     /// Switches the machine on as [`Device::new`] does, where it stands at `pose`.
     pub fn standing<const MOVES: usize>(
-        channels: &'q mut Channels<DeviceScene<N>, MOVES, 64>,
+        channels: &'q mut DeviceRoom<N, MOVES>,
         limits: LimitParameters,
         silence_ticks: u32,
         pose: Pose<N>,
@@ -127,9 +134,9 @@ impl<'q, N: ServiceNumber> Device<'q, N> {
             board: Board::HOST,
             firmware: &Firmware::SIMULATOR,
         };
-        let scene = WithLevels {
-            scene: Adjustable::new(example(), limits),
-            room: LEVELS,
+        let scene = SceneParts {
+            levels: LEVELS,
+            ..Adjustable::new(example(), limits).into()
         };
         let service = channels
             .service(scene, pose, settings)

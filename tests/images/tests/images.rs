@@ -9,7 +9,7 @@ use trirrr_core::machine::Parameters;
 use trirrr_core::number::WideArithmetic;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::Section;
-use trirrr_service::{Coefficients, Parts, PathPlanner, PlayedCurves, name};
+use trirrr_service::{Coefficients, Feature, Parts, PathPlanner, PlayedCurves, name};
 
 /// What the parts say, in `units`: all that there is to say of `any` machine.
 fn in_units(parts: &Parts, units: &Units, any: &Parameters) -> (Parameters, LimitParameters) {
@@ -61,7 +61,7 @@ macro_rules! images {
                 let can_plan = PathPlanner::<Scalar>::can_plan(&planner);
                 assert_eq!(can_plan, SETTINGS.planning.is_some());
                 // All shipped scenes leave it to the job: planned moves need batches. None has a move of fewer than 10 ticks by hand.
-                assert_eq!(BATCHES, <Curves as PlayedCurves>::CUTS);
+                assert_eq!(Batches::EXISTS, <Curves as PlayedCurves>::CUTS);
                 assert_eq!(SETTINGS.scene.tick_rate_hz, TICK_RATE_HZ);
                 assert_eq!(1.0 / TICK_RATE_HZ, PERIOD_S);
             }

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 use trirrr_bench::device::{
-    Device, DeviceScene, MessageDecoder, RAMP_TICKS, TICK_RATE_HZ, hello, home, message_frame,
+    Device, DeviceRoom, MessageDecoder, RAMP_TICKS, TICK_RATE_HZ, hello, home, message_frame,
     request_frame,
 };
 use trirrr_bench::faulty_link::{FaultyLink, Random};
@@ -19,8 +19,8 @@ use trirrr_core::tick::Tick;
 use trirrr_protocol::message::{
     AnyMove, Command, Cut, Goal, Message, Move, QuinticMove, Reply, Request, State, Status,
 };
+use trirrr_service::Ramp;
 use trirrr_service::admission::{Path, Retarget, RetargetTask, Retargeted};
-use trirrr_service::{Channels, Ramp};
 use trirrr_tests::instant::{Instant, State as PlatformState};
 
 /// Of 100 frames, how many are damaged.
@@ -150,7 +150,7 @@ impl ErrandSession<'_> {
     /// Runs the session of `seed` to its end.
     pub(crate) fn run(seed: u64) -> Errands {
         let mut random = Random::new(seed);
-        let mut channels = Channels::<DeviceScene, QUEUE, 64>::new();
+        let mut channels = DeviceRoom::<f64, QUEUE>::new();
         let patience = Patience {
             answer: Duration::from_millis(10),
             attempts: 1000,

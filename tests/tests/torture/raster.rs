@@ -3,7 +3,7 @@
 use super::slow_line::play;
 use std::time::Duration;
 use trirrr_bench::device::{
-    Device, DeviceScene, LEVELS, MessageDecoder, TICK_RATE_HZ, hello, home, message_frame,
+    Device, DeviceRoom, LEVELS, MessageDecoder, TICK_RATE_HZ, hello, home, message_frame,
     request_frame,
 };
 use trirrr_bench::faulty_link::{FaultyLink, Random};
@@ -12,7 +12,6 @@ use trirrr_core::limits::LimitParameters;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{AnyMove, LEVEL_PARTS, LevelRange, Message, Move};
 use trirrr_scene::JobLevels;
-use trirrr_service::Channels;
 
 /// Pixels of a row: one a tick at the speed of the row.
 const PIXELS: usize = 200;
@@ -84,7 +83,7 @@ fn burn(seed: u64, percent: u64) -> u64 {
         ROWS * PIXELS > 4 * usize::from(LEVELS),
         "the ring goes round"
     );
-    let mut channels = Box::new(Channels::<DeviceScene, MOVES, 64>::new());
+    let mut channels = Box::new(DeviceRoom::<f64, MOVES>::new());
     let mut device = Device::enabled(&mut channels, LimitParameters::default(), 0);
     let patience = Patience {
         answer: Duration::from_millis(20),

@@ -3,14 +3,13 @@
 use std::f64::consts::TAU;
 use std::time::Duration;
 use trirrr_bench::device::{
-    Device, DeviceScene, MessageDecoder, TICK_RATE_HZ, hello, home, message_frame, request_frame,
+    Device, DeviceRoom, MessageDecoder, TICK_RATE_HZ, hello, home, message_frame, request_frame,
 };
 use trirrr_bench::slow_link::SlowLink;
 use trirrr_client::{Dialogue, JobClient, JobWork, Patience, Turn};
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Acting, AnyMove, Message, Move, State};
-use trirrr_service::Channels;
 
 /// Bytes in a tick of 1 ms on a serial line of 921,600 baud, ten bits a byte.
 pub(crate) const SERIAL: usize = 92;
@@ -91,7 +90,7 @@ pub(crate) fn play(work: impl Into<JobWork<f64>>, delay: u64, bytes_per_tick: us
         .iter()
         .map(|each| u64::from(each.common().ticks))
         .sum();
-    let mut channels = Box::new(Channels::<DeviceScene, MOVES, 64>::new());
+    let mut channels = Box::new(DeviceRoom::<f64, MOVES>::new());
     let mut device = Device::new(&mut channels, LimitParameters::default(), 0);
     let mut client = JobClient::new(work, hello(), 0, Patience::default(), 1);
     let mut decoder = MessageDecoder::new();

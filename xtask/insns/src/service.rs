@@ -2,56 +2,41 @@
 
 use crate::drives::{self, Drives};
 use crate::scene::{
-    BATCHES, COEFFICIENTS, Curves, MOVES, Model, PARTS, Planner, SETTINGS, START, Scalar,
+    self, COEFFICIENTS, Curves, MOVES, Model, PARTS, Planner, SETTINGS, START, Scalar,
 };
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_protocol::message::{AnyMove, Move, Reply};
-use trirrr_service::{Background, Channels, CommandOf, Compiled, Foreground, Settings};
+use trirrr_service::{
+    Background, Channels, CommandOf, Compiled, Feature, Foreground, PartOf, SceneParts, Settings,
+};
 
-type CompiledScene = Compiled<'static, Model, Curves, Planner, BATCHES>;
-
-/// The scene of an image that does not change it, with its power lists, if it plays any.
-#[cfg(not(levels))]
-type CountedLevelScene = CompiledScene;
-#[cfg(levels)]
-type CountedLevelScene =
-    trirrr_service::WithLevels<CompiledScene, { crate::scene::LEVELS as usize }>;
-
-/// The same of a machine that is not homed,
-#[cfg(not(homing))]
-type CountedHomedScene = CountedLevelScene;
-
-/// and of one that is.
-#[cfg(homing)]
-type CountedHomedScene = trirrr_service::WithHoming<'static, CountedLevelScene>;
-
-/// The same, of drives that tell where they are.
-#[cfg(not(drive = "odrive"))]
-type HeardScene = CountedHomedScene;
+/// Feedback that is counted: of drives in the MIT mode no answers are imitated.
 #[cfg(drive = "odrive")]
-type HeardScene = trirrr_service::WithFeedback<'static, CountedHomedScene>;
+type Feedback = scene::Feedback;
+#[cfg(not(drive = "odrive"))]
+type Feedback = ();
 
-/// The same, of a machine that detects no contacts,
-#[cfg(not(all(drive = "odrive", contact)))]
-type CountedFeelingScene = HeardScene;
-/// and of one that does.
-#[cfg(all(drive = "odrive", contact))]
-type CountedFeelingScene = trirrr_service::WithContact<'static, HeardScene>;
+/// Contact detection on it.
+#[cfg(drive = "odrive")]
+type Contact = scene::Contact;
+#[cfg(not(drive = "odrive"))]
+type Contact = ();
 
-/// The scene that is counted.
-#[cfg(not(interlocks))]
-pub type CountedScene = CountedFeelingScene;
-/// The same, with an emergency stop or a door.
-#[cfg(interlocks)]
-pub type CountedScene = trirrr_service::WithInterlocks<
-    CountedFeelingScene,
-    { crate::scene::INPUTS },
-    crate::scene::Probe,
->;
+trirrr_service::scene! {
+    /// The scene that is counted: one that does not change, without retreats and spare pins.
+    pub CountedScene: Compiled<'static, Model, Curves, Planner>,
+    batches = scene::Batches,
+    levels = scene::Levels,
+    homing = scene::Homing,
+    feedback = Feedback,
+    contact = Contact,
+    interlocks = scene::Interlocks,
+    probe = scene::Probe
+}
 
 /// Sixteen moves and samples less one each.
-pub type SceneChannels = Channels<CountedScene, 16, 16>;
+pub type SceneChannels = Channels<CountedScene, 16, 16, { scene::LEVELS }>;
 
 /// The half that ticks.
 pub type SceneForeground = Foreground<'static, CountedScene>;
@@ -63,43 +48,16 @@ pub type SceneBackground = Background<'static, CountedScene>;
 pub type SceneCommand = CommandOf<CountedScene>;
 
 /// Reply that the service gives.
-pub type SceneReply = Reply<Scalar, <CountedScene as trirrr_service::Scene>::Part>;
+pub type SceneReply = Reply<Scalar, PartOf<CountedScene>>;
 
 /// The scene.
-pub fn scene() -> CountedScene {
-    let scene = Compiled {
+pub fn scene() -> SceneParts<'static, CountedScene> {
+    let machine = Compiled {
         coefficients: &COEFFICIENTS,
         parts: PARTS,
         types: core::marker::PhantomData,
     };
-    #[cfg(levels)]
-    let scene = trirrr_service::WithLevels {
-        scene,
-        room: crate::scene::LEVELS,
-    };
-    #[cfg(homing)]
-    let scene = trirrr_service::WithHoming {
-        scene,
-        homing: Some(&crate::scene::HOMING),
-    };
-    #[cfg(drive = "odrive")]
-    let scene = trirrr_service::WithFeedback {
-        scene,
-        feedback: Some(&crate::scene::FEEDBACK),
-    };
-    #[cfg(all(drive = "odrive", contact))]
-    let scene = trirrr_service::WithContact {
-        scene,
-        contact: Some(&crate::scene::CONTACT),
-        retreat: trirrr_service::NoRetreat,
-    };
-    #[cfg(interlocks)]
-    let scene = trirrr_service::WithInterlocks {
-        scene,
-        parameters: crate::scene::INTERLOCKS,
-        probe: core::marker::PhantomData,
-    };
-    scene
+    scene::parts(machine, ())
 }
 
 /// Returns the pose at which the job starts.
@@ -162,28 +120,19 @@ impl Ticking {
 /// One tick of the service and the drives: whatever there is to do in it.
 #[inline(never)]
 pub fn tick(ticking: &mut Ticking) {
-    #[cfg(not(homing))]
-    let Ticking { foreground, drives } = ticking;
-    // Of drives in the MIT mode no answers are imitated: their tick hears nothing.
-    #[cfg(all(drive = "odrive", not(homing)))]
+    let Ticking {
+        foreground, drives, ..
+    } = ticking;
+    #[cfg(drive = "odrive")]
     foreground.hear(drives.measure());
-    #[cfg(all(interlocks, not(homing)))]
-    foreground.sense(core::hint::black_box(Default::default()));
+    if scene::Interlocks::EXISTS {
+        foreground.sense(core::hint::black_box(Default::default()));
+    }
     #[cfg(not(homing))]
     let output = foreground.tick();
     #[cfg(homing)]
-    let Ticking {
-        foreground,
-        drives,
-        closed,
-    } = ticking;
-    #[cfg(all(drive = "odrive", homing))]
-    foreground.hear(drives.measure());
-    #[cfg(all(interlocks, homing))]
-    foreground.sense(core::hint::black_box(Default::default()));
-    #[cfg(homing)]
     let output = {
-        foreground.tick_with(*closed);
+        foreground.tick_with(ticking.closed);
         if let Some(by) = foreground.shift() {
             drives.shift(by);
         }

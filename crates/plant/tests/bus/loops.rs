@@ -15,10 +15,13 @@ use trirrr_protocol::message::{Command, DriveFault, FaultCode, NotEnabled, Reply
 use trirrr_scene::Scene;
 use trirrr_service::{
     Adjustable, Channels, Contact, FeedbackCoefficients, FeedbackParameters, HomingCoefficients,
-    HomingMotor, HomingParameters, HomingTimes, Settings, WithFeedback, WithHoming,
+    HomingMotor, HomingParameters, HomingTimes, NoImage, On, SceneParts, Settings, scene,
 };
 
-type Measuring<'a> = WithFeedback<'a, Adjustable<Dynamic<f64>>>;
+scene! {
+    /// The thesis machine with homing and feedback.
+    Measuring: Adjustable<Dynamic<f64>>, batches = On, update = NoImage, homing = On, feedback = On
+}
 
 const TICK_RATE_HZ: f64 = 500.0;
 const PER_TICK: u32 = 10;
@@ -94,11 +97,11 @@ fn play(pose: [f64; 3], at: u32, leg: usize, part: Option<Part>, ticks: u32) -> 
     let home = Pose::from_f64(HOME[0], HOME[1], HOME[2]);
     let geometry = Geometry::<f64>::build(&example()).unwrap();
     let coefficients = FeedbackCoefficients::build(&WATCH, &example(), &geometry, home).unwrap();
-    let measuring: Measuring<'_> = WithFeedback {
-        scene: Adjustable::new(example(), LimitParameters::default()),
+    let measuring = SceneParts {
         feedback: Some(&coefficients),
+        ..Adjustable::new(example(), LimitParameters::default()).into()
     };
-    let mut channels = Box::new(Channels::<Measuring<'_>, 8, 8>::new());
+    let mut channels = Box::new(Channels::<Measuring, 8, 8>::new());
     let mut service = channels
         .service(measuring, home, Settings::at(TICK_RATE_HZ))
         .unwrap();
@@ -279,14 +282,12 @@ fn home(offset: [f64; 3]) -> ([f64; 3], f64) {
     let geometry = Geometry::<f64>::build(&example()).unwrap();
     let feedback = FeedbackCoefficients::build(&WATCH, &example(), &geometry, pose).unwrap();
     let homing = HomingCoefficients::build(&homing, period);
-    let scene = WithFeedback {
-        scene: WithHoming {
-            scene: Adjustable::<Dynamic<f64>>::new(example(), LimitParameters::default()),
-            homing: Some(&homing),
-        },
+    let scene = SceneParts {
+        homing: Some(&homing),
         feedback: Some(&feedback),
+        ..Adjustable::new(example(), LimitParameters::default()).into()
     };
-    let mut channels = Box::new(Channels::<_, 8, 8>::new());
+    let mut channels = Box::new(Channels::<Measuring, 8, 8>::new());
     let mut service = channels.service(scene, pose, settings).unwrap();
     let mut loops = SimulatedLoops::build::<f64>(&self::scene(), PER_TICK, Units::SI, counted);
     let loops = loops.as_mut().unwrap();

@@ -23,7 +23,7 @@ const KNOWN: f64 = 0.02;
 
 /// Machine whose joints follow their commands while its drives are on.
 struct Machine<P: Protocol, const LONGEST: usize> {
-    service: Service<'static, Measuring<'static>>,
+    service: Service<'static, Measuring>,
     bench: Bench<P, LONGEST>,
     /// Events are written here, for failures.
     story: String,

@@ -9,11 +9,14 @@ use trirrr_core::setpoint::Pose;
 use trirrr_drives::can::Odrive;
 use trirrr_protocol::message::{Command, DriveFault, FaultCode, NotEnabled, Reply, State};
 use trirrr_service::{
-    Adjustable, Channels, FeedbackCoefficients, FeedbackParameters, Power, Service, Settings,
-    WithFeedback,
+    Adjustable, Channels, FeedbackCoefficients, FeedbackParameters, On, Power, SceneParts, Service,
+    Settings, scene,
 };
 
-pub(crate) type Measuring<'a> = WithFeedback<'a, Adjustable<Dynamic<f64>>>;
+scene! {
+    /// The thesis machine, whose drives tell where they are.
+    pub(crate) Measuring: Adjustable<Dynamic<f64>>, feedback = On
+}
 
 pub(crate) const HOME: [f64; 3] = [0.21, 0.22, 0.157];
 
@@ -24,7 +27,7 @@ pub(crate) fn angles_at([x, y, alpha]: [f64; 3]) -> Option<[f64; 3]> {
 }
 
 /// Service of the machine, in memory that is never freed.
-pub(crate) fn service(home: Pose<f64>) -> Service<'static, Measuring<'static>> {
+pub(crate) fn service(home: Pose<f64>) -> Service<'static, Measuring> {
     let parameters = FeedbackParameters {
         timeout_ticks: TIMEOUT_TICKS,
         enable_ticks: 200,
@@ -35,11 +38,11 @@ pub(crate) fn service(home: Pose<f64>) -> Service<'static, Measuring<'static>> {
     };
     let geometry = Geometry::<f64>::build(&example()).unwrap();
     let coefficients = FeedbackCoefficients::build(&parameters, &example(), &geometry, home);
-    let scene = WithFeedback {
-        scene: Adjustable::new(example(), LimitParameters::default()),
+    let scene = SceneParts {
         feedback: Some(&*Box::leak(Box::new(coefficients.unwrap()))),
+        ..Adjustable::new(example(), LimitParameters::default()).into()
     };
-    let channels = Box::leak(Box::new(Channels::<Measuring<'_>, 8, 8>::new()));
+    let channels = Box::leak(Box::new(Channels::<Measuring, 8, 8>::new()));
     let settings = Settings::at(TICK_RATE_HZ);
     channels.service(scene, home, settings).unwrap()
 }

@@ -15,12 +15,15 @@ use trirrr_protocol::message::{
 };
 use trirrr_service::{
     Adjustable, Channels, CommandOf, ContactCoefficients, ContactModel, ContactObserver,
-    ContactParameters, FeedbackCoefficients, FeedbackParameters, Output, Power, Service, Settings,
-    StopCategory, WithContact, WithFeedback,
+    ContactParameters, FeedbackCoefficients, FeedbackParameters, On, Output, Power, SceneParts,
+    Service, Settings, StopCategory, scene,
 };
 
 type Links = Dynamic<f32, Centred<f32>, Massive<f32, Horizontal>>;
-type Scene = WithContact<'static, WithFeedback<'static, Adjustable<Links>>>;
+scene! {
+    /// A machine that feels contacts.
+    Scene: Adjustable<Links>, feedback = On, contact = On
+}
 
 /// Samples of the drives in a second: encoder, loop, and step of the mechanics.
 const SAMPLES_HZ: f64 = 8000.0;
@@ -153,13 +156,10 @@ impl Bench {
         let feedback =
             FeedbackCoefficients::build(&watch, &parameters, &geometry, pose(ENDS[0])).unwrap();
         let contact = ContactCoefficients::build(&setup.contact, 1.0 / setup.tick_rate_hz).unwrap();
-        let scene = WithContact {
-            scene: WithFeedback {
-                scene: Adjustable::new(parameters, LimitParameters::default()),
-                feedback: Some(Box::leak(Box::new(feedback))),
-            },
+        let scene = SceneParts {
+            feedback: Some(Box::leak(Box::new(feedback))),
             contact: Some(Box::leak(Box::new(contact))),
-            retreat: trirrr_service::NoRetreat,
+            ..Adjustable::new(parameters, LimitParameters::default()).into()
         };
         let channels = Box::leak(Box::new(Channels::<Scene, 8, 8>::new()));
         let service = channels

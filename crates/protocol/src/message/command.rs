@@ -4,7 +4,7 @@ use super::board::NAME_CAPACITY;
 use super::scene::{Section, SectionName};
 use super::{
     AnyMove, LevelPiece, ListedMove, Move, MoveBatch, OutputSwitch, PathPiece, QuinticMove,
-    TelemetryFields, Transmit, Unread, UpdateStep,
+    TelemetryFields, Transmit, UpdateStep,
 };
 use core::fmt;
 use postcard_schema::Schema;
@@ -214,7 +214,7 @@ pub struct Recovery<N: Number> {
     pub ticks: u32,
 }
 
-/// Types as which a machine reads what not every machine plays, or [`Unread`].
+/// Types as which a machine reads what not every machine plays, or [`Unread`](super::Unread).
 pub trait MoveContents {
     /// A [`QuinticMove`].
     type Quintic: Clone + Copy + core::fmt::Debug + PartialEq;
@@ -233,55 +233,34 @@ pub trait MoveContents {
 }
 
 /// All of it is read.
-pub type AllMoves<N> = (QuinticMove<N>, MoveBatch<N>, ListedMove<N>, UpdateStep);
+pub type AllMoves<N> = (
+    QuinticMove<N>,
+    Goal<N>,
+    PathPiece<N>,
+    MoveBatch<N>,
+    LevelPiece,
+    ListedMove<N>,
+    UpdateStep,
+);
 
-/// As which a quintic move is read, a batch, a move with levels, and a step of an update.
-impl<Q, B, L, U> MoveContents for (Q, B, L, U)
+/// The types in their order.
+impl<Q, G, P, B, L, M, U> MoveContents for (Q, G, P, B, L, M, U)
 where
-    Q: QuinticContent + Clone + Copy + core::fmt::Debug + PartialEq,
+    Q: Clone + Copy + core::fmt::Debug + PartialEq,
+    G: Clone + Copy + core::fmt::Debug + PartialEq,
+    P: Clone + Copy + core::fmt::Debug + PartialEq,
     B: Clone + Copy + core::fmt::Debug + PartialEq,
-    L: ListedContent + Clone + Copy + core::fmt::Debug + PartialEq,
+    L: Clone + Copy + core::fmt::Debug + PartialEq,
+    M: Clone + Copy + core::fmt::Debug + PartialEq,
     U: Clone + Copy + core::fmt::Debug + PartialEq,
 {
     type Quintic = Q;
-    type Goal = Q::Goal;
-    type Piece = Q::Piece;
+    type Goal = G;
+    type Piece = P;
     type Batch = B;
-    type Levels = L::Levels;
-    type Listed = L;
+    type Levels = L;
+    type Listed = M;
     type Update = U;
-}
-
-/// Type as which a quintic move is read, with those as which a [`Goal`] and a [`PathPiece`] are.
-pub trait QuinticContent {
-    /// A [`Goal`], read or not.
-    type Goal: Clone + Copy + core::fmt::Debug + PartialEq;
-    /// A [`PathPiece`], read or not.
-    type Piece: Clone + Copy + core::fmt::Debug + PartialEq;
-}
-
-impl<N: Number> QuinticContent for QuinticMove<N> {
-    type Goal = Goal<N>;
-    type Piece = PathPiece<N>;
-}
-
-impl<N: Number> QuinticContent for Unread<QuinticMove<N>> {
-    type Goal = Unread<Goal<N>>;
-    type Piece = Unread<PathPiece<N>>;
-}
-
-/// Type as which a move with levels is read, with that as which a [`LevelPiece`] is.
-pub trait ListedContent {
-    /// A [`LevelPiece`], read or not.
-    type Levels: Clone + Copy + core::fmt::Debug + PartialEq;
-}
-
-impl<N: Number> ListedContent for ListedMove<N> {
-    type Levels = LevelPiece;
-}
-
-impl<N: Number> ListedContent for Unread<ListedMove<N>> {
-    type Levels = Unread<LevelPiece>;
 }
 
 /// Moves that a command offers, as they are counted.

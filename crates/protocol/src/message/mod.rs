@@ -36,8 +36,7 @@ mod violation;
 
 pub use board::{AngleReference, Board, Clock, Firmware, NAME_CAPACITY, Registers, Start};
 pub use command::{
-    AllMoves, Command, Goal, Hello, JobLabel, ListedContent, MoveContents, OfferedMoves,
-    QuinticContent, Recovery, Request,
+    AllMoves, Command, Goal, Hello, JobLabel, MoveContents, OfferedMoves, Recovery, Request,
 };
 pub use digital::{DIGITAL, DigitalStates, OutputSwitch};
 pub use drive::{DriveReading, DriveSample, DriveState, NotEnabled};

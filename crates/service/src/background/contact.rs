@@ -2,9 +2,9 @@
 
 use super::Background;
 use crate::contact::ContactModel;
+use crate::feature::Optional;
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
-use crate::splice::Optional;
 use core::borrow::Borrow;
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
@@ -12,10 +12,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// last one.
     #[inline(always)]
     pub(super) fn contact_step(&mut self) {
-        let Some(receiver) = self.contact.get_mut() else {
+        let Some(receiver) = self.features.contact.get_mut() else {
             return;
         };
-        let (Some(pose), Some(contact)) = (receiver.poses.receive(), self.scene.contact()) else {
+        let (Some(pose), Some(contact)) = (receiver.poses.receive(), receiver.coefficients) else {
             return;
         };
         let tick = &self.coefficients.borrow().tick;

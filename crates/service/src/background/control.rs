@@ -4,11 +4,12 @@ use super::super::feed::FeedScale;
 use super::super::foreground::slope;
 use super::super::guard::{self, Guard, LimitBreach};
 use super::super::handoff::{Ahead, Order, Recover};
-use super::super::scene::Scene;
 use super::{Background, at_rest};
 use crate::coefficients::Coefficients;
+use crate::feature::Feature;
+use crate::homing::HomingCoefficients;
 use crate::number::ServiceNumber;
-use crate::retreat::RetreatKind;
+use crate::scene::{ChangesOf, ModelOf, Scene};
 use core::borrow::Borrow;
 use trirrr_core::inverse::Position;
 use trirrr_core::limits::Limits;
@@ -18,8 +19,7 @@ use trirrr_core::setpoint::{JointMove, Pose};
 use trirrr_core::status::Status;
 use trirrr_core::tick::Tick;
 use trirrr_protocol::message::{
-    Bounded, Content, FaultCode, JobAccount, JobLabel, Recovery, Refusal, State, TelemetryFields,
-    Violation,
+    Bounded, FaultCode, JobAccount, JobLabel, Recovery, Refusal, State, TelemetryFields, Violation,
 };
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
@@ -38,7 +38,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         if let Order::Probe { away } = order {
             self.require_contact_ahead(away)?;
         }
-        let undecided = self.offered.peek().is_some() || self.is_planning();
+        let undecided = self.desk.offered.peek().is_some() || self.is_planning();
         // In idle nothing is under way.
         if self.has_played_all() {
             return Err(if undecided {
@@ -56,7 +56,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             rests: self.rests,
         }
         .rests_from(self.begun);
-        if !rests && !enough && self.moves.has_room() {
+        if !rests && !enough && self.ends.moves.has_room() {
             return Err(if undecided {
                 Refusal::Undecided
             } else {
@@ -88,7 +88,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     pub(super) fn stop(&mut self) -> Result<(), Refusal<N>> {
         match self.status.state {
             // Only a retreat is to be ended.
-            State::Reacting if S::Retreat::RETREATS => self.order(Order::Stop, State::Reacting),
+            State::Reacting if S::Retreat::EXISTS => self.order(Order::Stop, State::Reacting),
             State::Fault
             | State::Reacting
             | State::Cleared
@@ -151,7 +151,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     /// Looks for the motors, and moves them to the start pose from where that ends.
     pub(super) fn home(&mut self) -> Result<(), Refusal<N>> {
-        let Some(plan) = self.scene.plan() else {
+        let Some(plan) = self.features.homed().map(HomingCoefficients::plan) else {
             return Err(Refusal::NoHoming);
         };
         if !matches!(self.status.state, State::Unhomed | State::Cleared) {
@@ -177,7 +177,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         order: Order,
         state: State,
     ) -> Result<(), Refusal<N>> {
-        if !self.orders.has_room() || !self.recoveries.send(Recover { path, to }) {
+        if !self.ends.orders.has_room() || !self.ends.recoveries.send(Recover { path, to }) {
             return Err(Refusal::Busy);
         }
         self.order(order, state)?;
@@ -189,17 +189,17 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// the check in their tick alone: it would be 3 KB of an image, for a fault that another recovery leads out of.
     #[inline(always)]
     pub(super) fn can_stand(
-        tick: &Tick<S::Model>,
+        tick: &Tick<ModelOf<S>>,
         limits: &Limits<N>,
         pose: Pose<N>,
     ) -> Result<(), Refusal<N>> {
-        let has_limit = S::Model::TORQUES && limits.torque.is_some();
-        if !S::Replacement::IS_READ || !has_limit {
+        let has_limit = ModelOf::<S>::TORQUES && limits.torque.is_some();
+        if !ChangesOf::<S>::EXISTS || !has_limit {
             return Ok(());
         }
         let standing = tick.evaluate(&at_rest(pose)).map_err(no_motion)?;
         let guard = Guard::of_results(limits);
-        guard.check::<S::Model>(&standing).map_err(breaks)
+        guard.check::<ModelOf<S>>(&standing).map_err(breaks)
     }
 
     /// The joint move from motor angles to where the motors are at `pose`, within the limits.
@@ -244,7 +244,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     /// Refuses unless the machine waits in idle with nothing queued.
     pub(super) fn require_idle(&self) -> Result<(), Refusal<N>> {
-        let empty = self.offered.peek().is_none() && self.has_played_all() && !self.is_planning();
+        let empty =
+            self.desk.offered.peek().is_none() && self.has_played_all() && !self.is_planning();
         if self.status.state == State::Idle && empty {
             Ok(())
         } else {

@@ -2,12 +2,12 @@
 
 use super::Background;
 use crate::coefficients::Coefficients;
+use crate::feature::Optional;
 use crate::feedback::{FeedbackReport, PoseSearch};
 use crate::guard::LimitBreach;
 use crate::handoff::{Order, Recover};
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
-use crate::splice::Optional;
 use core::borrow::Borrow;
 use trirrr_core::setpoint::{JointMove, Pose};
 use trirrr_protocol::message::{NotEnabled, Refusal, State};
@@ -49,7 +49,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     }
 
     pub(super) fn sample_drives(&mut self, every: u16) -> Result<(), Refusal<N>> {
-        match self.scene.feedback() {
+        match self.features.measured() {
             Some(_) => self.order(Order::Drives { every }, self.status.state),
             None => Err(Refusal::NoFeedback),
         }
@@ -58,11 +58,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Returns true if a sample of the drives waits, and no older one of the motors.
     #[inline]
     pub(super) fn sends_drives(&self) -> bool {
-        let Some(receiver) = self.feedback.get() else {
+        let Some(receiver) = self.features.feedback.get() else {
             return false;
         };
         let older = |drives: u32| {
-            let motors = self.samples.peek();
+            let motors = self.ends.samples.peek();
             motors.is_none_or(|sample| sample.tick.wrapping_sub(drives) as i32 >= 0)
         };
         receiver
@@ -74,7 +74,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Takes in what the tick reported of the drives; the platform was near `pose` last.
     #[inline(always)]
     pub(super) fn apply_feedback(&mut self, report: Option<&FeedbackReport<N>>, pose: Pose<N>) {
-        let (Some(report), Some(receiver)) = (report, self.feedback.get_mut()) else {
+        let (Some(report), Some(receiver)) = (report, self.features.feedback.get_mut()) else {
             return;
         };
         if report.refused.is_some() {
@@ -89,7 +89,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// A slice of the search for the pose of a machine that was measured. Returns true if there was any.
     #[inline(always)]
     pub(super) fn place_step(&mut self) -> bool {
-        let (Some(receiver), Some(coefficients)) = (self.feedback.get_mut(), self.scene.feedback())
+        let coefficients = self.features.measured();
+        let (Some(receiver), Some(coefficients)) = (self.features.feedback.get_mut(), coefficients)
         else {
             return false;
         };
@@ -114,7 +115,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let sent = match result {
             Ok(to) => {
                 let path = JointMove::new(self.angles, self.angles, 1, self.settings.period);
-                self.recoveries.send(Recover { path, to })
+                self.ends.recoveries.send(Recover { path, to })
                     && self.order(Order::Place, State::Enabling).is_ok()
             }
             Err(why) => {

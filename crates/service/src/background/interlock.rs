@@ -1,31 +1,31 @@
 //! Inputs as the tick reports them.
 
 use super::Background;
+use crate::feature::Feature;
 use crate::feedback::pose_near;
 use crate::handoff::Order;
-use crate::interlock::{InterlockKind, InterlockReport, LatchedContact, LatchedRun, ProbeMemory};
+use crate::interlock::{LatchedContact, LatchedRun, ProbeLatch};
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
-use crate::splice::Optional;
 use trirrr_core::setpoint::Pose;
-use trirrr_protocol::message::{Event, InputState, ProbeContact, ProbeRun, Refusal};
-
-/// Kind of the probe of scene `S`.
-type ProbeOf<S> = <<S as Scene>::Interlocks as InterlockKind<<S as Scene>::N>>::Probe;
+use trirrr_protocol::message::{Event, InputState, InputStates, ProbeContact, ProbeRun, Refusal};
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Takes in what the tick reported of the inputs.
     #[inline(always)]
-    pub(super) fn apply_interlocks(&mut self, report: Option<&InterlockReport<ProbeOf<S>>>) {
-        let Some(InterlockReport { states, probe }) = report else {
-            return;
-        };
-        if *states != self.status.inputs {
+    pub(super) fn apply_interlocks(
+        &mut self,
+        states: Option<&InputStates>,
+        probe: Option<&ProbeLatch<N>>,
+    ) {
+        if let Some(states) = states
+            && *states != self.status.inputs
+        {
             self.status.inputs = *states;
             self.push_event(Event::Inputs(*states));
         }
         // An older report must not overwrite the run that an order in flight begins.
-        if let Some(probe) = probe.get()
+        if let Some(probe) = probe
             && self.orders_taken == self.orders_sent
         {
             self.apply_probe(probe.run());
@@ -61,14 +61,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     /// Pose by the angles that the drives told: one search by Newton's method from the commanded pose.
     fn measured(&self, contact: &LatchedContact<N>) -> Option<Pose<N>> {
-        let coefficients = self.scene.feedback()?;
+        let coefficients = self.features.measured()?;
         pose_near(coefficients, contact.angles.as_ref()?, contact.pose)
     }
 
     /// Plays what is queued until the probe's contact changes.
     #[inline(always)]
     pub(super) fn start_probing(&mut self, away: bool) -> Result<(), Refusal<N>> {
-        if !<ProbeOf<S> as ProbeMemory<N>>::EXISTS {
+        if !S::Probe::EXISTS {
             return Err(Refusal::NoProbe);
         }
         self.start_as(Order::Probe { away })?;
@@ -89,7 +89,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Refuses a job while a motor stands on its limit switch.
     #[inline(always)]
     pub(super) fn require_free_limits(&self) -> Result<(), Refusal<N>> {
-        if !S::Interlocks::EXIST {
+        if !S::Interlocks::EXISTS {
             return Ok(());
         }
         let limits = self.status.inputs.limits;
@@ -103,7 +103,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     #[inline(always)]
     pub(super) fn require_clear_inputs(&self) -> Result<(), Refusal<N>> {
         self.require_released_stop()?;
-        match S::Interlocks::EXIST && self.status.inputs.door.is_active() {
+        match S::Interlocks::EXISTS && self.status.inputs.door.is_active() {
             true => Err(Refusal::DoorOpen),
             false => Ok(()),
         }
@@ -112,7 +112,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Refuses what would acknowledge the emergency stop, or switch the drives on, while it is pressed.
     #[inline(always)]
     pub(super) fn require_released_stop(&self) -> Result<(), Refusal<N>> {
-        match S::Interlocks::EXIST && self.status.inputs.emergency_stop.is_active() {
+        match S::Interlocks::EXISTS && self.status.inputs.emergency_stop.is_active() {
             true => Err(Refusal::EmergencyStop),
             false => Ok(()),
         }

@@ -1,11 +1,11 @@
 //! Power lists: levels that the host gives, and moves that have some.
 
 use super::super::offered::Offered;
-use super::super::scene::Scene;
 use super::Background;
 use super::moves::check_offer;
+use crate::feature::Optional;
 use crate::number::ServiceNumber;
-use crate::splice::Optional;
+use crate::scene::{CurvesOf, Scene};
 use trirrr_protocol::message::{LevelPiece, ListedMove, Refusal};
 use trirrr_protocol::wire::checksum;
 
@@ -13,7 +13,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Takes levels; none where the image reads none.
     #[inline(always)]
     pub(super) fn give_levels(&mut self, piece: Option<&LevelPiece>) -> Result<(), Refusal<N>> {
-        match (piece, self.levels.get_mut()) {
+        match (piece, self.features.levels.get_mut()) {
             (Some(piece), Some(levels)) => levels.give(piece),
             _ => Err(Refusal::NoLevels),
         }
@@ -25,7 +25,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         &mut self,
         listed: Option<&ListedMove<N>>,
     ) -> Result<(), Refusal<N>> {
-        match listed.filter(|_| self.levels.get().is_some()) {
+        match listed.filter(|_| self.features.levels.get().is_some()) {
             Some(listed) => self.take_listed(listed),
             None => Err(Refusal::NoLevels),
         }
@@ -46,11 +46,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         }
         let each = listed.step.from(&start, listed.number);
         check_offer(&each, self.longest())?;
-        let offered = Offered::<N, S::Curves>::of(&each).ok_or(Refusal::NoQuintics)?;
+        let offered = Offered::<N, CurvesOf<S>>::of(&each).ok_or(Refusal::NoQuintics)?;
         let has_room = self.room() != 0;
-        let levels = self.levels.get_mut().ok_or(Refusal::NoLevels)?;
+        let levels = self.features.levels.get_mut().ok_or(Refusal::NoLevels)?;
         let list = levels.list(&offered, listed.levels)?;
-        if !has_room || !self.offered.add(offered) {
+        if !has_room || !self.desk.offered.add(offered) {
             return Err(Refusal::QueueFull);
         }
         levels.bind(list);
@@ -60,26 +60,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         Ok(())
     }
 
-    /// Hands the levels of move `number`, which is admitted, to the tick; before the move itself.
-    #[inline(always)]
-    pub(super) fn admit_levels(&mut self, number: u32) {
-        let generation = self.generation;
-        if let Some(levels) = self.levels.get_mut() {
-            levels.admit(number, generation);
-        }
-    }
-
     /// Levels that were given, and those that belong to moves, both of those that are not free.
     #[cfg(test)]
     pub(crate) fn levels_waiting(&self) -> Option<[u32; 2]> {
-        self.levels.get().map(|levels| levels.held())
-    }
-
-    /// Drops the levels of all moves that are not admitted.
-    #[inline(always)]
-    pub(super) fn drop_levels(&mut self) {
-        if let Some(levels) = self.levels.get_mut() {
-            levels.withdraw();
-        }
+        self.features.levels.get().map(|levels| levels.held())
     }
 }

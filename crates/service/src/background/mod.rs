@@ -4,6 +4,7 @@ mod contact;
 mod control;
 mod digital;
 mod enable;
+mod features;
 mod interlock;
 mod levels;
 mod moves;
@@ -17,67 +18,44 @@ mod retarget;
 mod splice;
 mod window;
 
-pub(super) use super::contact::BackgroundContact;
-use super::digital::BackgroundDigital;
-use super::feedback::BackgroundFeedback;
-use super::handoff::{Ahead, Order, QueuedMove, Recover, ReportOf, SharedCounters};
-use super::interlock::InterlockKind;
-use super::levels::BackgroundLevels;
+use super::handoff::{Ahead, Order, QueuedMove, Recover, SharedCounters, TickReport};
 use super::offered::PlayedCurves;
 use super::pace::{Room, RoomCount};
 use super::planner::PathPlanner;
 use super::queue::{BothEnds, Receiver, Sender};
-use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
-use super::splice::{BackgroundSplices, Optional};
 use crate::admission::{Aiming, Judgement};
+use crate::feature::{Feature, Optional};
 use crate::number::ServiceNumber;
+use crate::scene::{ChangesOf, CoefficientsOf, CurvesOf, PartOf, PlannerOf, Scene};
 use core::sync::atomic::{AtomicU32, Ordering};
+pub(super) use features::BackgroundFeatures;
 use nalgebra::Vector3;
 pub(super) use offers::OfferedMoves;
 pub(super) use splice::Retargeting;
 use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{
-    Acting, Content, DigitalStates, Event, Fault, Message, MessageRef, Refusal, State, Status,
+    Acting, DigitalStates, Event, Fault, InputStates, Message, MessageRef, Refusal, State, Status,
     Telemetry,
 };
 pub(super) use window::RequestWindow;
 
 /// The half of the service that receives commands, judges moves and has what is to be sent.
 pub struct Background<'q, S: Scene> {
-    scene: S,
+    machine: S::Machine,
+    update: S::Update,
     settings: Settings<S::N>,
-    coefficients: S::Coefficients,
-    judgement: Judgement<S::N, S::Curves>,
+    coefficients: CoefficientsOf<S>,
+    judgement: Judgement<S::N, CurvesOf<S>>,
     /// The retarget that is being planned.
-    aim: <S::Curves as PlayedCurves>::Aim<S::N>,
-    /// Cut by which it begins.
-    retargeting: <S::Curves as PlayedCurves>::Retargeting<S::N>,
-
-    /// Planner of paths.
-    planner: &'q mut S::Planner,
-
-    moves: Sender<'q, QueuedMove<S::N, S::Curves>>,
-    recoveries: Sender<'q, Recover<S::N>>,
-    orders: Sender<'q, Order>,
-    setups: <S::Slot as Slot<Setup<S::Model>>>::Put<'q>,
-    splices: BackgroundSplices<'q, S>,
-    feedback: BackgroundFeedback<'q, S>,
-    contact: BackgroundContact<'q, S>,
-    levels: BackgroundLevels<'q, S>,
-    digital: BackgroundDigital<'q, S>,
-    reports: Receiver<'q, ReportOf<S>>,
-    faults: Receiver<'q, Fault<S::N>>,
-    samples: Receiver<'q, Telemetry<S::N>>,
-    shared: &'q SharedCounters,
-
-    offered: OfferedMoves<'q, S::N, S::Curves>,
-    /// Events that wait to be sent; both ends are here.
-    events: BothEnds<'q, Event<S::N>>,
+    aim: <CurvesOf<S> as PlayedCurves>::Aim<S::N>,
+    ends: BackgroundEnds<'q, S>,
+    features: BackgroundFeatures<'q, S>,
+    /// Memory that the background works in.
+    desk: Desk<'q, S>,
 
     greeted: bool,
-    window: &'q mut RequestWindow<S>,
     /// The last message was an event: a sample that waits comes before the next.
     was_event: bool,
 
@@ -118,68 +96,50 @@ fn ends<N: Number>(pose: Pose<N>, velocity: [N; 3], acceleration: [N; 3]) -> Set
     }
 }
 
-/// Pose of the platform at the start, and the angles of the motors there.
-pub(super) struct Stand<N: Number> {
-    pub(super) angles: [N::Angle; 3],
-    pub(super) pose: Pose<N>,
-}
-
 /// The ends that belong to the background.
 pub(super) struct BackgroundEnds<'q, S: Scene> {
-    pub(super) moves: Sender<'q, QueuedMove<S::N, S::Curves>>,
+    pub(super) moves: Sender<'q, QueuedMove<S::N, CurvesOf<S>>>,
     pub(super) recoveries: Sender<'q, Recover<S::N>>,
     pub(super) orders: Sender<'q, Order>,
-    pub(super) setups: <S::Slot as Slot<Setup<S::Model>>>::Put<'q>,
-    pub(super) splices: BackgroundSplices<'q, S>,
-    pub(super) feedback: BackgroundFeedback<'q, S>,
-    pub(super) contact: BackgroundContact<'q, S>,
-    pub(super) levels: BackgroundLevels<'q, S>,
-    pub(super) digital: BackgroundDigital<'q, S>,
-    pub(super) reports: Receiver<'q, ReportOf<S>>,
+    pub(super) reports: Receiver<'q, TickReport<S>>,
     pub(super) faults: Receiver<'q, Fault<S::N>>,
     pub(super) samples: Receiver<'q, Telemetry<S::N>>,
     pub(super) shared: &'q SharedCounters,
-    pub(super) planner: &'q mut S::Planner,
+}
+
+/// Memory that the background works in.
+pub(super) struct Desk<'q, S: Scene> {
+    pub(super) planner: &'q mut PlannerOf<S>,
     pub(super) window: &'q mut RequestWindow<S>,
-    pub(super) offered: OfferedMoves<'q, S::N, S::Curves>,
+    pub(super) offered: OfferedMoves<'q, S::N, CurvesOf<S>>,
     pub(super) events: BothEnds<'q, Event<S::N>>,
 }
 
 impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     pub(super) fn new(
-        scene: S,
-        coefficients: S::Coefficients,
-        stand: Stand<N>,
+        (machine, update): (S::Machine, S::Update),
+        coefficients: CoefficientsOf<S>,
+        (angles, inputs): ([N::Angle; 3], InputStates),
         settings: Settings<N>,
-        ends: BackgroundEnds<'q, S>,
+        (ends, features, desk): (
+            BackgroundEnds<'q, S>,
+            BackgroundFeatures<'q, S>,
+            Desk<'q, S>,
+        ),
     ) -> Self {
-        let inputs = scene.interlocks().states();
-        let digital = scene.digital().are_named().then(DigitalStates::default);
+        let digital = features.digital.get().filter(|digital| digital.exist());
+        let digital = digital.map(|_| DigitalStates::default());
         Self {
-            scene,
+            machine,
+            update,
             settings,
             coefficients,
             judgement: Judgement::new(),
             aim: Aiming::<N>::NONE,
-            planner: ends.planner,
-            retargeting: S::Curves::retargeting(stand.pose),
-            moves: ends.moves,
-            recoveries: ends.recoveries,
-            orders: ends.orders,
-            setups: ends.setups,
-            splices: ends.splices,
-            feedback: ends.feedback,
-            contact: ends.contact,
-            levels: ends.levels,
-            digital: ends.digital,
-            reports: ends.reports,
-            faults: ends.faults,
-            samples: ends.samples,
-            shared: ends.shared,
-            offered: ends.offered,
-            events: ends.events,
+            ends,
+            features,
+            desk,
             greeted: false,
-            window: ends.window,
             was_event: false,
             status: Status {
                 tick: 0,
@@ -212,7 +172,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
             generation: 0,
             begun: 0,
             passed: Room::NONE,
-            angles: stand.angles,
+            angles,
             orders_sent: 0,
             orders_taken: 0,
             admitted: RoomCount::NOTHING,
@@ -236,37 +196,37 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     }
 
     /// Returns the message to send next: events and samples in turn.
-    pub fn outgoing(&mut self) -> Option<Message<N, S::Part>> {
+    pub fn outgoing(&mut self) -> Option<Message<N, PartOf<S>>> {
         self.drain_reports();
         if self.is_event_next() {
-            return self.events.1.receive().map(Message::Event);
+            return self.desk.events.1.receive().map(Message::Event);
         }
         if self.sends_drives()
-            && let Some(receiver) = self.feedback.get_mut()
+            && let Some(receiver) = self.features.feedback.get_mut()
         {
             return receiver.samples.receive().map(Message::Drives);
         }
-        self.samples.receive().map(Message::Telemetry)
+        self.ends.samples.receive().map(Message::Telemetry)
     }
 
     /// Hands on what is to be sent next, as [`Background::outgoing`], from where it lies: a sample is
     /// not copied. Whether there was anything.
-    pub fn send_next(&mut self, send: impl FnOnce(&MessageRef<'_, N, S::Part>)) -> bool {
+    pub fn send_next(&mut self, send: impl FnOnce(&MessageRef<'_, N, PartOf<S>>)) -> bool {
         self.drain_reports();
         if self.is_event_next()
-            && let Some(event) = self.events.1.peek()
+            && let Some(event) = self.desk.events.1.peek()
         {
             send(&MessageRef::Event(event));
-            self.events.1.discard();
+            self.desk.events.1.discard();
         } else if self.sends_drives()
-            && let Some(receiver) = self.feedback.get_mut()
+            && let Some(receiver) = self.features.feedback.get_mut()
             && let Some(sample) = receiver.samples.peek()
         {
             send(&MessageRef::Drives(sample));
             receiver.samples.discard();
-        } else if let Some(sample) = self.samples.peek() {
+        } else if let Some(sample) = self.ends.samples.peek() {
             send(&MessageRef::Telemetry(sample));
-            self.samples.discard();
+            self.ends.samples.discard();
         } else {
             return false;
         }
@@ -275,58 +235,58 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
 
     /// Returns true if the next message is an event. Where samples wait too, they take turns: none starves the other.
     fn is_event_next(&mut self) -> bool {
-        let waits = self.events.1.peek().is_some();
-        let sampled = self.samples.peek().is_some() || self.sends_drives();
+        let waits = self.desk.events.1.peek().is_some();
+        let sampled = self.ends.samples.peek().is_some() || self.sends_drives();
         self.was_event = waits && !(self.was_event && sampled);
         self.was_event
     }
 
     /// The next telemetry sample.
     pub fn sample(&mut self) -> Option<Telemetry<N>> {
-        self.samples.receive()
+        self.ends.samples.receive()
     }
 
     /// Returns the current status.
     pub fn status(&mut self) -> Status<N> {
         self.drain_reports();
-        self.status.tick = self.shared.tick.load(Ordering::Relaxed);
+        self.status.tick = self.ends.shared.tick.load(Ordering::Relaxed);
         self.status.room = self.room();
         self.status.planning = self.is_planning();
-        self.status.lost = self.shared.lost.load(Ordering::Relaxed);
+        self.status.lost = self.ends.shared.lost.load(Ordering::Relaxed);
         let counted = |counter: &AtomicU32| counter.load(Ordering::Relaxed);
-        self.status.longest_tick = counted(&self.shared.longest);
-        self.status.dry_ticks = counted(&self.shared.dry);
-        self.status.late_ticks = counted(&self.shared.late);
-        self.status.longest_stop = counted(&self.shared.longest_stop);
+        self.status.longest_tick = counted(&self.ends.shared.longest);
+        self.status.dry_ticks = counted(&self.ends.shared.dry);
+        self.status.late_ticks = counted(&self.ends.shared.late);
+        self.status.longest_stop = counted(&self.ends.shared.longest_stop);
         self.status
     }
 
     /// Takes in what the tick reported.
     fn drain_reports(&mut self) {
-        while let Some(report) = self.reports.receive() {
+        while let Some(report) = self.ends.reports.receive() {
             self.apply_report(&report);
         }
     }
 
     #[inline(never)]
-    fn apply_report(&mut self, report: &ReportOf<S>) {
+    fn apply_report(&mut self, report: &TickReport<S>) {
         self.orders_taken = report.orders;
         self.begun = report.begun;
         self.passed = report.passed;
         // An older report must not overwrite the angles predicted for changed encoder offsets in flight.
-        if !S::Replacement::IS_READ || self.orders_taken == self.orders_sent {
+        if !ChangesOf::<S>::EXISTS || self.orders_taken == self.orders_sent {
             self.angles = report.angles;
         }
         self.apply_splice(report.splice.get());
         self.apply_feedback(report.feedback.get(), report.pose);
-        self.apply_interlocks(report.interlocks.get());
+        self.apply_interlocks(report.interlocks.get(), report.probe.get());
         self.apply_digital(report.digital.get());
         let over = report.generation != self.generation;
         if over {
             self.start_over(report);
         }
         if report.state.has_fault() {
-            if let Some(fault) = self.faults.receive() {
+            if let Some(fault) = self.ends.faults.receive() {
                 self.status.fault = Some(fault);
                 self.push_event(Event::Fault(fault));
             }
@@ -335,7 +295,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         }
         self.status.done = report.done;
         self.status.interrupted = report.interrupted;
-        self.offered.release(report.done);
+        self.desk.offered.release(report.done);
         let reported = (report.state, report.acting, report.done);
         if self.reported != reported {
             self.reported = reported;
@@ -355,21 +315,20 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     }
 
     /// The tick dropped its queue: so does the background.
-    fn start_over(&mut self, report: &ReportOf<S>) {
+    fn start_over(&mut self, report: &TickReport<S>) {
         self.generation = report.generation;
-        self.offered.clear();
+        self.desk.offered.clear();
         self.job_is_over = true;
-        self.drop_levels();
-        self.drop_outputs();
+        self.features.withdraw();
         self.checking = false;
         self.aim = Aiming::<N>::NONE;
-        self.planner.drop_path();
+        self.desk.planner.drop_path();
         self.drop_splice();
         self.status.next = report.begun;
         self.status.admitted = report.begun;
         self.admitted = RoomCount::NOTHING;
         self.rests = report.begun;
-        self.shared.set_ahead(Ahead {
+        self.ends.shared.set_ahead(Ahead {
             room: Room::NONE,
             rests: self.rests,
         });
@@ -379,12 +338,12 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
 
     /// An event on its way to the host. Where there is no room it is dropped: the status has it.
     fn push_event(&mut self, event: Event<N>) {
-        self.events.0.send(event);
+        self.desk.events.0.send(event);
     }
 
     /// Sends an order and, until the tick reports, counts on what it will make of the state.
     fn order(&mut self, order: Order, state: State) -> Result<(), Refusal<N>> {
-        if !self.orders.send(order) {
+        if !self.ends.orders.send(order) {
             return Err(Refusal::Busy);
         }
         self.orders_sent = self.orders_sent.wrapping_add(1);

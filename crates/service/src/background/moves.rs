@@ -5,11 +5,11 @@ use super::super::handoff::{Ahead, QueuedMove};
 use super::super::offered::{Offered, PlayedCurves};
 use super::super::pace::MovePaces;
 use super::super::planner::PathPlanner;
-use super::super::scene::Scene;
 use super::super::tool::Tool;
 use super::{Background, ends};
 use crate::admission;
 use crate::number::ServiceNumber;
+use crate::scene::{CurvesOf, Scene};
 use core::borrow::Borrow;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{CurveKind, Pose, Segment, Setpoint};
@@ -21,18 +21,18 @@ use trirrr_protocol::wire::checksum;
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Moves for which there is room.
     pub(super) fn room(&self) -> u16 {
-        let waiting = self.offered.waiting() + self.moves.len();
-        let room = self.moves.capacity().saturating_sub(waiting);
+        let waiting = self.desk.offered.waiting() + self.ends.moves.len();
+        let room = self.ends.moves.capacity().saturating_sub(waiting);
         // The moves that are kept for a cut are reported as over a little later than they are.
-        let room = match S::Curves::CUTS {
-            true => room.min(self.offered.room()),
+        let room = match CurvesOf::<S>::CUTS {
+            true => room.min(self.desk.offered.room()),
             false => room,
         };
         room.min(usize::from(u16::MAX)) as u16
     }
 
     pub(super) fn longest(&self) -> u32 {
-        longest_move(self.moves.capacity())
+        longest_move(self.ends.moves.capacity())
     }
 
     /// The setpoint where the next move starts, in a state that takes moves.
@@ -64,12 +64,13 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             start_acceleration,
             end_acceleration,
         } = planned;
-        let Some(accelerations) = S::Curves::some([start_acceleration, end_acceleration]) else {
+        let Some(accelerations) = CurvesOf::<S>::some([start_acceleration, end_acceleration])
+        else {
             return false;
         };
         common.number = self.status.next;
         let (to, velocity) = (common.to, common.end_velocity);
-        let offered = self.offered.add(Offered {
+        let offered = self.desk.offered.add(Offered {
             common,
             accelerations,
         });
@@ -85,10 +86,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     pub(super) fn offer(
         &mut self,
         common: &Move<N>,
-        given: <S::Curves as CurveKind>::Accelerations<N>,
+        given: <CurvesOf<S> as CurveKind>::Accelerations<N>,
     ) -> Result<(), Refusal<N>> {
         let before = self.end_of_moves()?;
-        let accelerations = S::Curves::given(&given);
+        let accelerations = CurvesOf::<S>::given(&given);
         check_finite(common, accelerations)?;
         if common.number != self.status.next {
             return Err(Refusal::MoveNumber {
@@ -114,7 +115,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             common: *common,
             accelerations: given,
         };
-        if self.room() == 0 || !self.offered.add(offered) {
+        if self.room() == 0 || !self.desk.offered.add(offered) {
             return Err(Refusal::QueueFull);
         }
         self.count_offer();
@@ -145,14 +146,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let mut count = 0;
         for each in batch.moves(&start) {
             check_offer(&each, self.longest())?;
-            Offered::<N, S::Curves>::of(&each).ok_or(Refusal::NoQuintics)?;
+            Offered::<N, CurvesOf<S>>::of(&each).ok_or(Refusal::NoQuintics)?;
             count += 1;
         }
         if self.room() < count {
             return Err(Refusal::QueueFull);
         }
         for each in batch.moves(&start) {
-            let taken = Offered::of(&each).is_some_and(|offered| self.offered.add(offered));
+            let taken = Offered::of(&each).is_some_and(|offered| self.desk.offered.add(offered));
             if taken {
                 self.count_offer();
                 self.status.next = self.status.next.wrapping_add(1);
@@ -165,7 +166,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// One step of the admission. Whether there is more to do.
     #[inline(never)]
     pub(super) fn check_step(&mut self) -> bool {
-        let Some(offered) = self.offered.peek() else {
+        let Some(offered) = self.desk.offered.peek() else {
             return false;
         };
         if !self.checking {
@@ -177,7 +178,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         match self.judgement.step(&self.coefficients.borrow().path) {
             admission::Verdict::Undecided => {
                 if let Some(violation) = self.judgement.violation()
-                    && self.planner.is_active()
+                    && self.desk.planner.is_active()
                 {
                     // The planner has no use for the shortest duration, which is still looked for.
                     self.refuse_of_path(&violation);
@@ -189,9 +190,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
                     self.admit();
                 }
                 // Else it stays admitted until there is room.
-                self.offered.peek().is_some() && self.takes_admitted()
+                self.desk.offered.peek().is_some() && self.takes_admitted()
             }
-            admission::Verdict::Refused(violation) if self.planner.is_active() => {
+            admission::Verdict::Refused(violation) if self.desk.planner.is_active() => {
                 self.refuse_of_path(&violation);
                 true
             }
@@ -209,16 +210,15 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     #[inline(never)]
     fn admit(&mut self) {
-        let Some(offered) = self.offered.admit() else {
+        let Some(offered) = self.desk.offered.admit() else {
             return;
         };
         self.checking = false;
-        self.planner.keep();
+        self.desk.planner.keep();
         let planned = self.queued(&offered, self.judgement.paces());
         let QueuedMove { ticks, number, .. } = planned;
-        self.admit_levels(number);
-        self.admit_outputs(number);
-        if !self.moves.send(planned) {
+        self.features.admit(number, self.generation);
+        if !self.ends.moves.send(planned) {
             return;
         }
         let measure = FeedScale::new(self.settings.ramp.ticks).room_measure();
@@ -226,7 +226,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         if offered.common.ends_at_rest() {
             self.rests = number.wrapping_add(1);
         }
-        self.shared.set_ahead(Ahead {
+        self.ends.shared.set_ahead(Ahead {
             room: self.admitted.room,
             rests: self.rests,
         });
@@ -241,9 +241,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     #[inline]
     pub(super) fn queued(
         &self,
-        offered: &Offered<N, S::Curves>,
+        offered: &Offered<N, CurvesOf<S>>,
         paces: MovePaces,
-    ) -> QueuedMove<N, S::Curves> {
+    ) -> QueuedMove<N, CurvesOf<S>> {
         let Move { ticks, number, .. } = offered.common;
         QueuedMove {
             segment: Segment::new(&offered.ends(), ticks, self.settings.period),
@@ -259,7 +259,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// offer takes its place.
     fn refuse(&mut self, violation: Violation<N>) {
         self.withdraw();
-        self.drop_outputs();
+        self.features.drop_outputs();
         self.tell_refused(violation);
     }
 
@@ -276,11 +276,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     /// Drops all moves that are not judged. The changes of outputs with them stay: a path makes another move of that number.
     pub(super) fn withdraw(&mut self) {
-        let Some(offered) = self.offered.refuse() else {
+        let Some(offered) = self.desk.offered.refuse() else {
             return;
         };
         self.checking = false;
-        self.drop_levels();
+        self.features.drop_levels();
         // Where the refused one is a cubic, a quintic behind a quintic starts anew.
         let [acceleration, _] = offered.quintic().unwrap_or([[N::ZERO; 3]; 2]);
         let Move {

@@ -2,10 +2,11 @@
 
 use super::super::coefficients::Coefficients;
 use super::super::handoff::Order;
-use super::super::scene::{Put, Scene, Setup, refusal};
 use super::{Background, at_rest};
 use crate::admission::Judgement;
+use crate::feature::{Feature, Optional};
 use crate::number::ServiceNumber;
+use crate::scene::{ChangesOf, Machine, ModelOf, Scene, Setup, refusal};
 use nalgebra::Vector2;
 use trirrr_core::forward::Forward;
 use trirrr_core::model::OfKind;
@@ -21,10 +22,13 @@ const MOST_STEPS: u32 = 32;
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Replaces a part of the scene. The motors stay where they are; a changed encoder offset is another angle of theirs. Forward kinematics
     /// finds where the platform then is, from where it was. Another tool point is another pose of the same platform. A part with which the machine could not stand there is refused.
-    pub(super) fn change(&mut self, part: &S::Replacement) -> Result<(), Refusal<N>> {
+    pub(super) fn change(
+        &mut self,
+        part: &<ChangesOf<S> as Feature>::Read<Section>,
+    ) -> Result<(), Refusal<N>> {
         let section = part.content().ok_or(Refusal::NotAdjustable)?;
         let units = self.settings.scene.units();
-        let changed = self.scene.changed(section, &units)?;
+        let changed = self.machine.changed(section, &units)?;
         self.require_idle()?;
         let end = self.status.end.ok_or(Refusal::State(self.status.state))?;
         let period = N::factor_to_f64(self.settings.period);
@@ -33,7 +37,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             parameters: &changed.parameters,
             kind: changed.kind,
         };
-        let built = Coefficients::<S::Model>::build(machine, &changed.limits, ramp, period);
+        let built = Coefficients::<ModelOf<S>>::build(machine, &changed.limits, ramp, period);
         let built = built.map_err(refusal)?;
         let geometry = *built.tick.geometry();
         let shift = changed.shift_rad.map(N::angle_from_f64);
@@ -58,11 +62,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             pose,
             shift: (changed.shift_rad != [0.0; 3]).then_some(shift),
         };
-        if !self.orders.has_room() || !self.setups.put(setup) {
+        let setups = self.features.setups.get_mut();
+        if !self.ends.orders.has_room() || !setups.is_some_and(|setups| setups.send(setup)) {
             return Err(Refusal::Busy);
         }
         self.order(Order::Adopt, State::Idle)?;
-        self.scene.adopt(&changed, built, &mut self.coefficients);
+        self.machine.adopt(&changed, built, &mut self.coefficients);
         self.angles = angles;
         self.judgement = Judgement::new();
         self.status.end = Some(at_rest(pose));

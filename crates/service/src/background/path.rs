@@ -1,10 +1,10 @@
 //! Paths: pieces that the host gives, planned here and then judged and queued as if the host had offered moves.
 
 use super::super::planner::{PathPlanner, PathStep};
-use super::super::scene::Scene;
 use super::Background;
 use super::moves::is_pose;
 use crate::number::ServiceNumber;
+use crate::scene::Scene;
 use crate::tool::Tool;
 use core::borrow::Borrow;
 use trirrr_core::number::Number;
@@ -15,7 +15,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Takes a piece; none where the image reads none.
     #[inline(always)]
     pub(super) fn path(&mut self, piece: Option<&PathPiece<N>>) -> Result<(), Refusal<N>> {
-        match piece.filter(|_| self.planner.can_plan()) {
+        match piece.filter(|_| self.desk.planner.can_plan()) {
             Some(piece) => self.take_piece(piece),
             None => Err(Refusal::NoPaths),
         }
@@ -30,16 +30,16 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             });
         }
         check_piece(piece)?;
-        if !self.planner.is_active() {
-            if self.offered.peek().is_some() || self.is_retargeting() {
+        if !self.desk.planner.is_active() {
+            if self.desk.offered.peek().is_some() || self.is_retargeting() {
                 return Err(Refusal::Undecided);
             }
             if !is_at_rest(&before) {
                 return Err(Refusal::StartVelocity);
             }
-            self.planner.begin(before.pose);
+            self.desk.planner.begin(before.pose);
         }
-        if !self.planner.push(piece) {
+        if !self.desk.planner.push(piece) {
             return Err(Refusal::QueueFull);
         }
         self.count_offer();
@@ -50,23 +50,23 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Returns true while moves are planned here.
     #[inline(always)]
     pub(super) fn is_planning(&self) -> bool {
-        self.is_retargeting() || self.planner.is_active()
+        self.is_retargeting() || self.desk.planner.is_active()
     }
 
     /// One step of the plan. Whether there was one to do.
     #[inline(always)]
     pub(super) fn path_step(&mut self) -> bool {
         // One move at a time: the next plan may depend on its verdict.
-        let waits = self.offered.peek().is_some() || self.room() == 0;
-        if !self.planner.is_active() || waits {
+        let waits = self.desk.offered.peek().is_some() || self.room() == 0;
+        if !self.desk.planner.is_active() || waits {
             return false;
         }
-        match self.planner.step(&self.coefficients.borrow().path) {
+        match self.desk.planner.step(&self.coefficients.borrow().path) {
             PathStep::Working => true,
             PathStep::Waiting => false,
             PathStep::Move(quintic) => self.offer_planned(quintic),
             PathStep::Done => {
-                self.planner.drop_path();
+                self.desk.planner.drop_path();
                 false
             }
             PathStep::Refused { number, violation } => {
@@ -80,15 +80,16 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     #[inline(never)]
     pub(super) fn refuse_of_path(&mut self, violation: &Violation<N>) {
         self.withdraw();
-        self.planner
+        self.desk
+            .planner
             .cut(&self.coefficients.borrow().path, violation);
     }
 
     /// Ends the path before piece `number`. The next piece takes its place.
     #[inline(never)]
     fn end_path(&mut self, number: u32, violation: Violation<N>) {
-        self.planner.drop_path();
-        self.drop_outputs();
+        self.desk.planner.drop_path();
+        self.features.drop_outputs();
         self.status.piece = number;
         self.tell_refused(violation);
     }

@@ -1,12 +1,13 @@
 //! Requests: their order, and who may make them.
 
 use super::super::handoff::count;
-use super::super::scene::Scene;
 use super::Background;
 use super::window::RequestPlace;
+use crate::feature::{Feature, Optional};
+use crate::levels::LevelStore;
 use crate::number::ServiceNumber;
-use crate::offered::{CommandOf, RequestOf};
 use crate::planner::PathPlanner;
+use crate::scene::{CommandOf, CurvesOf, ImageSlot, Machine, PartOf, RequestOf, Scene};
 use core::sync::atomic::Ordering;
 use trirrr_core::setpoint::CurveKind;
 use trirrr_protocol::message::{
@@ -20,9 +21,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// ([`Decoder::checksum`](trirrr_protocol::wire::Decoder::checksum)). It tells a repeated request from
     /// another with the same number.
     #[inline(never)]
-    pub fn receive(&mut self, request: &RequestOf<S>, checksum: u32) -> Reply<N, S::Part> {
+    pub fn receive(&mut self, request: &RequestOf<S>, checksum: u32) -> Reply<N, PartOf<S>> {
         // Whatever it is that comes, the host is there.
-        count(&self.shared.heard);
+        count(&self.ends.shared.heard);
         self.drain_reports();
         if let Command::Hello(hello) = &request.command {
             return self.greet(request.sequence, hello);
@@ -30,12 +31,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         if !self.greeted {
             return Reply::Refused(Refusal::HelloFirst);
         }
-        let next = self.window.next();
-        match self.window.place(request.sequence, checksum) {
+        let next = self.desk.window.next();
+        match self.desk.window.place(request.sequence, checksum) {
             RequestPlace::Next => self.execute_next(&request.command, checksum),
             RequestPlace::Executed(result) => self.reply(&request.command, result),
             RequestPlace::Ahead => {
-                self.window.keep(request, checksum);
+                self.desk.window.keep(request, checksum);
                 Reply::Kept { missing: next }
             }
             RequestPlace::Reused => Reply::Refused(Refusal::SequenceReused),
@@ -45,16 +46,16 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     /// Executes the next request if it was kept. Returns its number and the reply. To be called after each
     /// [request](Self::receive) until it returns none.
-    pub fn receive_kept(&mut self) -> Option<(u32, Reply<N, S::Part>)> {
-        let (request, checksum) = self.window.take_kept()?;
+    pub fn receive_kept(&mut self) -> Option<(u32, Reply<N, PartOf<S>>)> {
+        let (request, checksum) = self.desk.window.take_kept()?;
         let reply = self.execute_next(&request.command, checksum);
         Some((request.sequence, reply))
     }
 
     #[inline(never)]
-    fn execute_next(&mut self, command: &CommandOf<S>, checksum: u32) -> Reply<N, S::Part> {
+    fn execute_next(&mut self, command: &CommandOf<S>, checksum: u32) -> Reply<N, PartOf<S>> {
         let result = self.execute(command);
-        self.window.count(checksum, result);
+        self.desk.window.count(checksum, result);
         self.reply(command, result)
     }
 
@@ -62,7 +63,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         &mut self,
         command: &CommandOf<S>,
         result: Result<(), Refusal<N>>,
-    ) -> Reply<N, S::Part> {
+    ) -> Reply<N, PartOf<S>> {
         match result {
             Ok(()) => self.answer(command),
             Err(refusal) => Reply::Refused(refusal),
@@ -71,8 +72,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     /// Executes a command of the program that owns the service, which needs no hello and no sequence
     /// numbers.
-    pub fn submit(&mut self, command: &CommandOf<S>) -> Reply<N, S::Part> {
-        count(&self.shared.heard);
+    pub fn submit(&mut self, command: &CommandOf<S>) -> Reply<N, PartOf<S>> {
+        count(&self.ends.shared.heard);
         self.drain_reports();
         let result = match command {
             Command::Hello(hello) => return self.greet(0, hello),
@@ -83,16 +84,16 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     /// Makes the numbers of the conversations to come depend on `noise` too: whatever nobody can foretell.
     pub fn stir(&mut self, noise: u32) {
-        self.window.stir(noise);
+        self.desk.window.stir(noise);
     }
 
     #[cfg(test)]
     pub(crate) fn next_sequence_is(&mut self, sequence: u32) {
-        self.window.next_is(sequence);
+        self.desk.window.next_is(sequence);
     }
 
     #[inline(never)]
-    fn greet(&mut self, sequence: u32, hello: &Hello) -> Reply<N, S::Part> {
+    fn greet(&mut self, sequence: u32, hello: &Hello) -> Reply<N, PartOf<S>> {
         let scene = &self.settings.scene;
         if hello.protocol != PROTOCOL {
             return Reply::Refused(Refusal::Protocol { expected: PROTOCOL });
@@ -109,25 +110,26 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         }
         self.greeted = true;
         // On a board the ticks so far, on a host what its owner has stirred in: nobody can tell both from afar.
-        let tick = self.shared.tick.load(Ordering::Relaxed);
-        self.window.stir(tick);
-        self.window.begin(sequence);
-        let queue = u16::try_from(self.moves.capacity()).unwrap_or(u16::MAX);
-        let batch = if S::Batch::IS_READ { BATCH } else { 1 };
-        let next = self.window.next();
-        let capacity = (queue, batch as u8, self.scene.levels());
+        let tick = self.ends.shared.tick.load(Ordering::Relaxed);
+        self.desk.window.stir(tick);
+        self.desk.window.begin(sequence);
+        let queue = u16::try_from(self.ends.moves.capacity()).unwrap_or(u16::MAX);
+        let batch = if S::Batches::EXISTS { BATCH } else { 1 };
+        let next = self.desk.window.next();
+        let levels = self.features.levels.get().map_or(0, LevelStore::room);
+        let capacity = (queue, batch as u8, levels);
         Reply::Hello(self.settings.identity(capacity, next))
     }
 
     /// The answer to a command that was executed. Questions are answered anew when repeated.
-    fn answer(&mut self, command: &CommandOf<S>) -> Reply<N, S::Part> {
+    fn answer(&mut self, command: &CommandOf<S>) -> Reply<N, PartOf<S>> {
         match command {
             Command::Status => Reply::Status(self.status()),
-            Command::Read(name) => match self.scene.part(*name, &self.settings.scene.units()) {
+            Command::Read(name) => match self.machine.part(*name, &self.settings.scene.units()) {
                 Some(part) => Reply::Section(part),
                 None => Reply::Refused(Refusal::NoSuchLeg),
             },
-            Command::UpdateStatus => match self.scene.update_status() {
+            Command::UpdateStatus => match self.update.status() {
                 Some(status) => Reply::Update(status),
                 None => Reply::Refused(Refusal::NoUpdate),
             },
@@ -139,7 +141,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     fn offer_quintic(&mut self, offered: Option<&QuinticMove<N>>) -> Result<(), Refusal<N>> {
         let quintic = offered.ok_or(Refusal::NoQuintics)?;
         let accelerations = [quintic.start_acceleration, quintic.end_acceleration];
-        let accelerations = S::Curves::some(accelerations).ok_or(Refusal::NoQuintics)?;
+        let accelerations = CurvesOf::<S>::some(accelerations).ok_or(Refusal::NoQuintics)?;
         self.offer(&quintic.common, accelerations)
     }
 
@@ -148,9 +150,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     fn update(&mut self, step: Option<&UpdateStep>) -> Result<(), Refusal<N>> {
         let step = step.ok_or(Refusal::NoUpdate)?;
         match self.status.state {
-            State::Disabled => self.scene.update(step),
             // No state would help.
-            _ if self.scene.update_status().is_none() => Err(Refusal::NoUpdate),
+            _ if !S::Update::EXISTS => Err(Refusal::NoUpdate),
+            State::Disabled => self.update.step(step).map_err(Refusal::Update),
             state => Err(Refusal::State(state)),
         }
     }
@@ -177,11 +179,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             | Command::Listed(_)
             | Command::OutputsAt(_)
             | Command::Retarget(_)
-                if self.planner.is_active() =>
+                if self.desk.planner.is_active() =>
             {
                 Err(Refusal::PathUnderWay)
             }
-            Command::Move(offered) => self.offer(offered, S::Curves::none()),
+            Command::Move(offered) => self.offer(offered, CurvesOf::<S>::none()),
             Command::Quintic(offered) => self.offer_quintic(offered.content()),
             Command::Moves(batch) => self.offer_batch(batch.content()),
             Command::Levels(piece) => self.give_levels(piece.content()),

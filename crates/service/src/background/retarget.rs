@@ -1,10 +1,10 @@
 //! Retargets: moves to a goal, planned here and then judged and queued as if the host had offered them.
 
-use super::super::scene::Scene;
 use super::moves::is_pose;
 use super::{Background, ends};
 use crate::admission::{Aiming, RetargetTask, Retargeted};
 use crate::number::ServiceNumber;
+use crate::scene::{CurvesOf, Scene};
 use core::borrow::Borrow;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{CurveKind, Setpoint};
@@ -20,7 +20,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     #[inline(always)]
     pub(super) fn retarget(&mut self, goal: Option<&Goal<N>>) -> Result<(), Refusal<N>> {
         let none = [[N::ZERO; 3]; 2];
-        match (goal, S::Curves::some(none)) {
+        match (goal, CurvesOf::<S>::some(none)) {
             (Some(goal), Some(_)) => self.aim_at(goal),
             _ => Err(Refusal::NoQuintics),
         }
@@ -44,7 +44,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             return Ok(());
         }
         // It starts where the moves end: they have to stay.
-        if self.offered.peek().is_some() {
+        if self.desk.offered.peek().is_some() {
             return Err(Refusal::Undecided);
         }
         if self.room() == 0 {

@@ -12,12 +12,13 @@ use super::super::feed::FeedScale;
 use super::super::handoff::Ahead;
 use super::super::offered::Offered;
 use super::super::pace::{Room, RoomCount};
-use super::super::scene::Scene;
-use super::super::splice::{CHAIN, CutOrder, Optional, Place, SpliceOrder, SpliceReport};
+use super::super::splice::{CHAIN, CutOrder, Place, SpliceOrder, SpliceReport};
 use super::Background;
 use super::retarget::target;
 use crate::admission::{Aiming, Blocked, RetargetTask, Retargeted};
+use crate::feature::Optional;
 use crate::number::ServiceNumber;
+use crate::scene::{CurvesOf, Scene};
 use core::borrow::Borrow;
 use core::sync::atomic::Ordering;
 use trirrr_core::number::Number;
@@ -60,7 +61,7 @@ enum Phase {
 
 /// A retarget that cuts, and what is known for the next.
 #[derive(Clone, Copy, Debug)]
-pub struct Retargeting<N: Number> {
+pub(crate) struct Retargeting<N: Number> {
     phase: Phase,
     goal: Goal<N>,
     /// Ticks from the place of the tick to that of the cut.
@@ -126,7 +127,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Begins a retarget that cuts. Returns false in services without.
     #[inline(always)]
     pub(super) fn begin_splice(&mut self, goal: &Goal<N>) -> bool {
-        let Some(retargeting) = self.retargeting.get_mut() else {
+        let Some(retargeting) = self.features.retargeting.get_mut() else {
             return false;
         };
         retargeting.goal = *goal;
@@ -146,7 +147,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// may be as long as a hold.
     #[inline(always)]
     pub(super) fn may_replace_goal(&self) -> bool {
-        self.retargeting.get().is_some_and(|work| {
+        self.features.retargeting.get().is_some_and(|work| {
             matches!(
                 work.phase,
                 Phase::Ahead | Phase::Replacing | Phase::Following | Phase::Behind
@@ -157,21 +158,21 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Returns true while a retarget is planned, or its cut is ahead.
     #[inline(always)]
     pub(super) fn is_retargeting(&self) -> bool {
-        let splice = self.retargeting.get();
+        let splice = self.features.retargeting.get();
         self.aim.is_under_way() || splice.is_some_and(|splice| splice.phase != Phase::None)
     }
 
     /// Name of the state of the retarget that cuts.
     #[cfg(test)]
     pub(crate) fn retarget_phase(&self) -> std::string::String {
-        let phase = self.retargeting.get().map(|work| work.phase);
+        let phase = self.features.retargeting.get().map(|work| work.phase);
         std::format!("{phase:?}")
     }
 
     /// Gives up a retarget whose moves were dropped.
     #[inline(always)]
     pub(super) fn drop_splice(&mut self) {
-        if let Some(retargeting) = self.retargeting.get_mut() {
+        if let Some(retargeting) = self.features.retargeting.get_mut() {
             retargeting.phase = Phase::None;
             (retargeting.replaces, retargeting.withdrawn) = (false, false);
         }
@@ -180,7 +181,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Says whose account of the admitted moves is shared.
     #[inline(always)]
     pub(super) fn publish_generation(&self) {
-        if let Some(splices) = self.splices.get() {
+        if let Some(splices) = self.features.splices.get() {
             splices.publish(self.generation);
         }
     }
@@ -188,21 +189,21 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Returns true if admitted moves may go to the tick: there is room, and no cut move is before them.
     #[inline(always)]
     pub(super) fn takes_admitted(&mut self) -> bool {
-        if let Some(retargeting) = self.retargeting.get_mut()
+        if let Some(retargeting) = self.features.retargeting.get_mut()
             && retargeting.drains
         {
-            retargeting.drains = self.moves.len() != 0;
+            retargeting.drains = self.ends.moves.len() != 0;
             if retargeting.drains {
                 return false;
             }
         }
-        self.moves.has_room()
+        self.ends.moves.has_room()
     }
 
     /// One step of a retarget that cuts: returns whether there is more to do at once. None where other work may go on.
     #[inline(always)]
     pub(super) fn splice_step(&mut self) -> Option<bool> {
-        let retargeting = self.retargeting.get()?;
+        let retargeting = self.features.retargeting.get()?;
         match retargeting.phase {
             Phase::None | Phase::Ahead | Phase::Following => None,
             _ => self.splice_work(),
@@ -211,7 +212,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     #[inline(never)]
     fn splice_work(&mut self) -> Option<bool> {
-        let retargeting = self.retargeting.get()?;
+        let retargeting = self.features.retargeting.get()?;
         let is_answered = retargeting.orders == retargeting.report.orders;
         match retargeting.phase {
             Phase::None | Phase::Ahead | Phase::Following => None,
@@ -222,7 +223,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             }
             Phase::Withdrawing if is_answered => {
                 let accepted = retargeting.report.accepted;
-                let retargeting = self.retargeting.get_mut()?;
+                let retargeting = self.features.retargeting.get_mut()?;
                 retargeting.withdrawn = accepted;
                 match accepted {
                     // Its queue, once it is empty.
@@ -259,14 +260,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     }
 
     fn enter(&mut self, phase: Phase) -> Option<bool> {
-        self.retargeting.get_mut()?.phase = phase;
+        self.features.retargeting.get_mut()?.phase = phase;
         Some(true)
     }
 
     /// Asks the tick for its place.
     fn locate(&mut self) -> Option<bool> {
-        let retargeting = self.retargeting.get_mut()?;
-        let splices = self.splices.get_mut()?;
+        let retargeting = self.features.retargeting.get_mut()?;
+        let splices = self.features.splices.get_mut()?;
         let chain = splices.chains.get(retargeting.chain)?;
         if chain.len() != 0 || !splices.orders.send(SpliceOrder::Locate) {
             return None;
@@ -280,12 +281,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let state = self.status.state;
         let from = Place {
             number: self.begun.wrapping_sub(1),
-            tick: self.retargeting.get()?.report.tick,
+            tick: self.features.retargeting.get()?.report.tick,
         };
         let lead = match state {
-            State::Running | State::Slowing => self.retargeting.get()?.lead,
+            State::Running | State::Slowing => self.features.retargeting.get()?.lead,
             // It stands there: from the next tick on the path, or from farther ahead where no motion begins there.
-            State::Holding => 1 << self.retargeting.get()?.tries,
+            State::Holding => 1 << self.features.retargeting.get()?.tries,
             _ => return self.enter(Phase::Behind),
         };
         self.plan_from(from, lead)
@@ -293,20 +294,24 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     /// Begins to plan from so many ticks behind a place.
     fn plan_from(&mut self, from: Place, lead: u32) -> Option<bool> {
-        let place = self.offered.place_behind(from, lead);
+        let place = self.desk.offered.place_behind(from, lead);
         let most = place.as_ref().map_or(0, |(_, _, kept)| {
-            self.offered.capacity().saturating_sub(*kept).min(CHAIN)
+            self.desk
+                .offered
+                .capacity()
+                .saturating_sub(*kept)
+                .min(CHAIN)
         });
         let (Some((at, offered, _)), true) = (&place, most != 0) else {
-            return match self.retargeting.get()?.replaces {
+            return match self.features.retargeting.get()?.replaces {
                 true => self.follow(),
                 false => self.enter(Phase::Behind),
             };
         };
         let ticks = offered.common.ticks;
         let start = Segment::new(&offered.ends(), ticks, self.settings.period).at(at.tick);
-        let since = self.shared.tick.load(Ordering::Relaxed);
-        let retargeting = self.retargeting.get_mut()?;
+        let since = self.ends.shared.tick.load(Ordering::Relaxed);
+        let retargeting = self.features.retargeting.get_mut()?;
         retargeting.at = *at;
         retargeting.since = since;
         let task = RetargetTask {
@@ -326,14 +331,22 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             Some(Retargeted::Planned(count)) if count != 0 => return self.order_chain(count),
             Some(Retargeted::Refused(refusal)) => {
                 let from_there = matches!(refusal.blocked, Blocked::Start | Blocked::Stop);
-                let tries = self.retargeting.get().map_or(TRIES, |work| work.tries);
+                let tries = self
+                    .features
+                    .retargeting
+                    .get()
+                    .map_or(TRIES, |work| work.tries);
                 if from_there && tries < TRIES {
                     self.try_again();
                     return true;
                 }
                 self.tell_refused(refusal.violation);
                 self.aim = Aiming::<N>::NONE;
-                let replaces = self.retargeting.get().is_some_and(|work| work.replaces);
+                let replaces = self
+                    .features
+                    .retargeting
+                    .get()
+                    .is_some_and(|work| work.replaces);
                 self.drop_splice();
                 if replaces {
                     // The goal before it counts.
@@ -354,7 +367,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Plans from farther ahead, or behind the moves.
     fn try_again(&mut self) {
         self.aim = Aiming::<N>::NONE;
-        let Some(retargeting) = self.retargeting.get_mut() else {
+        let Some(retargeting) = self.features.retargeting.get_mut() else {
             return;
         };
         if retargeting.replaces {
@@ -370,7 +383,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     }
 
     /// Move `index` of the chain.
-    fn planned_offer(&self, index: usize, first: u32) -> Option<Offered<N, S::Curves>> {
+    fn planned_offer(&self, index: usize, first: u32) -> Option<Offered<N, CurvesOf<S>>> {
         let mut planned = self.aim.planned(index)?;
         planned.common.number = first.wrapping_add(index as u32);
         Offered::of_quintic(&planned)
@@ -385,7 +398,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let mut room = RoomCount::behind_any(&measure);
         // Of a chain that does not end at rest no move is the last at rest.
         let mut rests = self.status.done;
-        let now = self.shared.tick.load(Ordering::Relaxed);
+        let now = self.ends.shared.tick.load(Ordering::Relaxed);
         for index in 0..count {
             let Some(offered) = self.planned_offer(index, first) else {
                 self.try_again();
@@ -412,18 +425,20 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         for index in 0..count {
             if let Some(offered) = self.planned_offer(index, first) {
                 let queued = self.queued(&offered, *self.aim.paces(index));
-                if let (Some(retargeting), Some(splices)) =
-                    (self.retargeting.get(), self.splices.get_mut())
-                    && let Some(chain) = splices.chains.get_mut(retargeting.chain)
+                if let (Some(retargeting), Some(splices)) = (
+                    self.features.retargeting.get(),
+                    self.features.splices.get_mut(),
+                ) && let Some(chain) = splices.chains.get_mut(retargeting.chain)
                 {
                     chain.send(queued);
                 }
             }
         }
         let generation = self.generation;
-        let (Some(retargeting), Some(splices)) =
-            (self.retargeting.get_mut(), self.splices.get_mut())
-        else {
+        let (Some(retargeting), Some(splices)) = (
+            self.features.retargeting.get_mut(),
+            self.features.splices.get_mut(),
+        ) else {
             return false;
         };
         let took = now.wrapping_sub(retargeting.since);
@@ -448,8 +463,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Has the tick give the chain of the cut ahead back, and waits until its queue is empty. None where that is so, or no cut is ahead;
     /// else whether there is more to do at once.
     fn give_chain_back(&mut self) -> Option<bool> {
-        let retargeting = self.retargeting.get_mut()?;
-        let splices = self.splices.get_mut()?;
+        let retargeting = self.features.retargeting.get_mut()?;
+        let splices = self.features.splices.get_mut()?;
         if !retargeting.replaces {
             return None;
         }
@@ -467,18 +482,18 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     fn accept_chain(&mut self) {
         let Some(&Retargeting {
             at, moves, first, ..
-        }) = self.retargeting.get()
+        }) = self.features.retargeting.get()
         else {
             return;
         };
-        self.offered.cut_behind(at.number);
-        self.drop_levels();
+        self.desk.offered.cut_behind(at.number);
+        self.features.drop_levels();
         self.checking = false;
         for index in 0..moves {
             let Some(offered) = self.planned_offer(index, first) else {
                 break;
             };
-            self.offered.add_admitted(offered);
+            self.desk.offered.add_admitted(offered);
             self.push_event(Event::Verdict(Verdict {
                 number: offered.common.number,
                 violation: None,
@@ -487,7 +502,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         self.aim = Aiming::<N>::NONE;
         self.status.next = first.wrapping_add(moves as u32);
         self.status.admitted = self.status.next;
-        if let Some(retargeting) = self.retargeting.get_mut() {
+        if let Some(retargeting) = self.features.retargeting.get_mut() {
             self.status.end = Some(retargeting.target());
             retargeting.phase = Phase::Ahead;
             (retargeting.replaces, retargeting.withdrawn) = (false, false);
@@ -498,7 +513,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Takes in what the tick reports of splices.
     #[inline(always)]
     pub(super) fn apply_splice(&mut self, report: Option<&SpliceReport>) {
-        let (Some(report), Some(retargeting)) = (report, self.retargeting.get_mut()) else {
+        let (Some(report), Some(retargeting)) = (report, self.features.retargeting.get_mut())
+        else {
             return;
         };
         retargeting.report = *report;
@@ -511,6 +527,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     #[inline(never)]
     fn finish_cut(&mut self, cuts: u8) {
         if self
+            .features
             .retargeting
             .get()
             .is_some_and(|work| work.phase == Phase::Ordered)
@@ -518,7 +535,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             self.accept_chain();
         }
         self.generation = self.generation.wrapping_add(1);
-        let Some(retargeting) = self.retargeting.get_mut() else {
+        let Some(retargeting) = self.features.retargeting.get_mut() else {
             return;
         };
         retargeting.cuts = cuts;
@@ -533,7 +550,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let next = retargeting.first;
         (self.admitted, self.rests) = (retargeting.room, retargeting.rests);
         self.status.cut = Some(Cut { number, at, next });
-        self.shared.set_ahead(Ahead {
+        self.ends.shared.set_ahead(Ahead {
             room: self.admitted.room,
             rests: self.rests,
         });

@@ -1,7 +1,6 @@
 //! Requests in flight: those that came before one that is missing, and the answers that a host may ask for again.
 
-use crate::offered::RequestOf;
-use crate::scene::Scene;
+use crate::scene::{RequestOf, Scene};
 use heapless::{Deque, Vec};
 use trirrr_core::number::Number;
 use trirrr_protocol::message::{Refusal, WINDOW};

@@ -16,7 +16,7 @@ use trirrr_protocol::message::FaultCode;
 const KEPT: usize = 16;
 
 /// Watch for contacts, tick by tick. Without coefficients there is none.
-pub struct ContactWatch<'q, N: ServiceNumber> {
+pub(crate) struct ContactWatch<'q, N: ServiceNumber> {
     coefficients: Option<ContactCoefficients<N>>,
     observer: ContactObserver<N>,
     /// Model of a pose near this one, once the background has sent one.

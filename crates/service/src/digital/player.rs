@@ -6,7 +6,7 @@ use crate::queue::Receiver;
 use trirrr_protocol::message::{DIGITAL, DigitalStates, State};
 
 /// Levels of the inputs and outputs, and the changes that come with moves.
-pub struct DigitalPlayer<'q> {
+pub(crate) struct DigitalPlayer<'q> {
     changes: Receiver<'q, OutputChange>,
     inputs: [DebouncedInput; DIGITAL],
     /// Outputs that were switched on.
@@ -28,7 +28,7 @@ impl<'q> DigitalPlayer<'q> {
     }
 
     /// Takes the levels of the inputs. Those that the scene does not name are clear.
-    pub(super) fn sense(&mut self, readings: u8) {
+    pub(crate) fn sense(&mut self, readings: u8) {
         for (bit, input) in self.inputs.iter_mut().enumerate() {
             input.read(readings >> bit & 1 != 0);
         }
@@ -108,7 +108,7 @@ impl<'q> DigitalPlayer<'q> {
     }
 
     /// Returns the states after the last tick.
-    pub(super) fn states(&self) -> DigitalStates {
+    pub(crate) fn states(&self) -> DigitalStates {
         self.told
     }
 }

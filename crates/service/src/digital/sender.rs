@@ -7,7 +7,7 @@ use trirrr_core::number::Number;
 use trirrr_protocol::message::{OutputSwitch, Refusal};
 
 /// Changes of outputs that wait for the admission of their moves.
-pub struct DigitalSender<'q> {
+pub(crate) struct DigitalSender<'q> {
     changes: Sender<'q, OutputChange>,
     /// In the order of their moves.
     waiting: Deque<OutputChange, CHANGES>,

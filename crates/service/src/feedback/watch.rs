@@ -17,7 +17,7 @@ use trirrr_protocol::message::{
 const KEPT: usize = 16;
 
 /// DriveWatch over the drives, tick by tick. Without limits the drives tell nothing.
-pub struct DriveWatch<'q, N: ServiceNumber> {
+pub(crate) struct DriveWatch<'q, N: ServiceNumber> {
     limits: Option<WatchLimits<N>>,
     readings: Option<Readings<N>>,
     /// Angles commanded in the last ticks, a ring with its newest place.
@@ -86,7 +86,7 @@ impl<'q, N: ServiceNumber> DriveWatch<'q, N> {
         self.readings.as_ref()
     }
 
-    pub(super) fn hear(&mut self, readings: Readings<N>) {
+    pub(crate) fn hear(&mut self, readings: Readings<N>) {
         let before = self.readings.map(|each| each.map(|drive| drive.restarts));
         let pairs = readings.iter().zip(before.unwrap_or([0; 3]));
         for (restart, (reading, before)) in self.restarts.iter_mut().zip(pairs) {
@@ -123,7 +123,7 @@ impl<'q, N: ServiceNumber> DriveWatch<'q, N> {
         true
     }
 
-    pub(super) fn report(&self) -> FeedbackReport<N> {
+    pub(crate) fn report(&self) -> FeedbackReport<N> {
         self.report
     }
 

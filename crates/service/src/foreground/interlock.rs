@@ -1,12 +1,11 @@
 //! Emergency stop, door, limit switches and probe.
 
-use super::super::homing::Homing;
-use super::super::interlock::{InterlockKind, LatchedContact};
-use super::super::scene::Scene;
+use super::super::interlock::{Interlocks, LatchedContact};
 use super::Foreground;
+use crate::feature::{Feature, Optional};
 use crate::guard::LimitBreach;
 use crate::number::ServiceNumber;
-use crate::splice::Optional;
+use crate::scene::Scene;
 use trirrr_protocol::message::{Acting, FaultCode, State};
 
 impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
@@ -14,7 +13,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// hold while the door is open, by a stop where the probe of a run touches.
     #[inline(always)]
     pub(super) fn check_interlocks(&mut self) {
-        if self.interlocks.take_stop() {
+        let inputs = self.features.interlocks.get_mut();
+        if inputs.is_some_and(Interlocks::take_stop) {
             self.latch(LimitBreach {
                 code: FaultCode::EmergencyStop,
                 index: None,
@@ -24,9 +24,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
         // Homing moves the motors onto their switches and off them. Drives that are off, or go on, move nothing.
         let watched = self.output.is_on()
-            && !self.homing.is_under_way()
+            && !self.features.is_homing()
             && !matches!(self.state, State::Enabling | State::Unhomed);
-        if let Some(motor) = self.interlocks.take_limit(watched) {
+        let inputs = self.features.interlocks.get_mut();
+        if let Some(motor) = inputs.and_then(|all| all.take_limit(watched)) {
             self.latch(LimitBreach {
                 code: FaultCode::LimitSwitch,
                 index: Some(motor),
@@ -34,12 +35,13 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 limit: N::ZERO,
             });
         }
-        if self.interlocks.is_open() {
+        if self.features.is_open() {
             self.wait_for_door();
         }
         if self
-            .interlocks
-            .probe()
+            .features
+            .probe
+            .get_mut()
             .is_some_and(|probe| probe.is_tripped())
         {
             self.touch();
@@ -49,19 +51,19 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Returns true while a door is open, or was since the job ran last.
     #[inline]
     pub(super) fn waits_for_door(&self) -> bool {
-        S::Interlocks::EXIST && (self.interlocks.is_open() || self.left.is_some())
+        S::Interlocks::EXISTS && (self.features.is_open() || self.left.is_some())
     }
 
     /// The run with the probe is over. The readings of this tick belong to the angles that were commanded in the last one.
     #[cold]
     fn touch(&mut self) {
-        let readings = self.feedback.get().and_then(|watch| watch.readings());
+        let readings = self.features.readings();
         let contact = LatchedContact {
             tick: self.clock,
             pose: self.pose,
             angles: readings.map(|all| all.each_ref().map(|reading| reading.angle)),
         };
-        if let Some(probe) = self.interlocks.probe() {
+        if let Some(probe) = self.features.probe.get_mut() {
             probe.touch(contact);
         }
         self.unreported = true;
@@ -83,7 +85,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 self.transition_to(State::Holding, Acting::Door);
             }
             State::Recovering | State::Homing => {
-                self.homing.stop();
+                self.features.stop_homing();
                 self.transition_to(State::Stopping, Acting::Door);
             }
             _ => {}

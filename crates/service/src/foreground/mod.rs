@@ -1,5 +1,6 @@
 //! The half that runs once per tick, above everything else.
 
+mod features;
 mod interlock;
 mod orders;
 mod output;
@@ -9,76 +10,51 @@ mod retreat;
 mod splice;
 mod supply;
 
+pub(super) use features::TickFeatures;
 pub use output::{Output, Power};
 
-use super::contact::TickContact;
-use super::digital::{DigitalKind, DigitalReadingsOf, TickDigital};
 use super::feed::{FeedScale, PathPosition};
-use super::feedback::{Feedback, ReadingsOf, TickFeedback};
 use super::guard::{Guard, LimitBreach};
-use super::handoff::{Order, QueuedMove, Recover, ReportOf, SharedCounters};
-use super::homing::Homing;
-use super::interlock::{InterlockKind, InterlockReadingsOf};
-use super::levels::TickLevels;
+use super::handoff::{Order, QueuedMove, Recover, SharedCounters, TickReport};
 use super::pace::{FULL, Pace, RoomCount};
 use super::queue::{Receiver, Sender};
-use super::retreat::{RetreatKind, TrailOf};
-use super::scene::{Scene, Setup, Slot};
 use super::settings::Settings;
-use super::splice::{Optional, TickSplices};
+use crate::feature::Optional;
+use crate::feedback::Readings;
+use crate::homing::Cycle;
+use crate::interlock::InterlockReadings;
 use crate::number::ServiceNumber;
+use crate::scene::{CurvesOf, ModelOf, Scene, Setup};
 use core::sync::atomic::Ordering;
 use nalgebra::Vector3;
 use supply::Supply;
-use trirrr_core::number::{Arithmetic, Number, WideArithmetic};
+use trirrr_core::number::{Number, WideArithmetic};
 use trirrr_core::setpoint::{JointSetpoint, Pose, Setpoint};
 use trirrr_core::tick::{Motion, Motor, Tick};
 use trirrr_protocol::message::{
     Acting, Fault, FaultCode, Interruption, State, Telemetry, TelemetryFields,
 };
 
-/// Memory of changed encoder offsets, of scenes that can be changed.
-type ShiftMemory<S> = <<S as Scene>::Slot as Slot<Setup<<S as Scene>::Model>>>::Memory<
-    Option<[<<S as Scene>::N as Arithmetic>::Angle; 3]>,
->;
-
 /// The half of the service that runs once per tick.
 pub struct Foreground<'q, S: Scene> {
-    tick: Tick<S::Model>,
+    tick: Tick<ModelOf<S>>,
     pub(super) guard: Guard<S::N>,
     /// 1 / (R dt): change of the pace per time on a ramp.
     slope: <S::N as WideArithmetic>::Factor,
     counts: Counts<S::N>,
     host_timeout_ticks: u32,
 
-    moves: Receiver<'q, QueuedMove<S::N, S::Curves>>,
-    recoveries: Receiver<'q, Recover<S::N>>,
-    orders: Receiver<'q, Order>,
-    setups: <S::Slot as Slot<Setup<S::Model>>>::Take<'q>,
-    /// Angles that this tick has added for changed encoder offsets.
-    shifted: ShiftMemory<S>,
-    splices: TickSplices<'q, S>,
-    pub(super) feedback: TickFeedback<'q, S>,
-    contact: TickContact<'q, S>,
-    levels: TickLevels<'q, S>,
-    digital: TickDigital<'q, S>,
-    reports: Sender<'q, ReportOf<S>>,
-    faults: Sender<'q, Fault<S::N>>,
-    samples: Sender<'q, Telemetry<S::N>>,
-    shared: &'q SharedCounters,
+    ends: ForegroundEnds<'q, S>,
+    pub(super) features: TickFeatures<'q, S>,
 
-    homing: S::Homing,
-    pub(super) interlocks: S::Interlocks,
     supply: Supply,
     state: State,
     acting: Acting,
     path: Path,
     /// The move under way.
-    current: Option<QueuedMove<S::N, S::Curves>>,
+    current: Option<QueuedMove<S::N, CurvesOf<S>>>,
     position: PathPosition,
     part: Part,
-    /// Moves to go back on after a contact.
-    trail: TrailOf<S>,
     /// Room of all parts that were begun.
     passed: RoomCount,
     feed: FeedScale,
@@ -132,17 +108,11 @@ enum Target<N: Number> {
 }
 
 /// The ends that belong to the tick.
-pub(super) struct ForegroundEnds<'q, S: Scene> {
-    pub(super) moves: Receiver<'q, QueuedMove<S::N, S::Curves>>,
+pub(crate) struct ForegroundEnds<'q, S: Scene> {
+    pub(super) moves: Receiver<'q, QueuedMove<S::N, CurvesOf<S>>>,
     pub(super) recoveries: Receiver<'q, Recover<S::N>>,
     pub(super) orders: Receiver<'q, Order>,
-    pub(super) setups: <S::Slot as Slot<Setup<S::Model>>>::Take<'q>,
-    pub(super) splices: TickSplices<'q, S>,
-    pub(super) feedback: TickFeedback<'q, S>,
-    pub(super) contact: TickContact<'q, S>,
-    pub(super) levels: TickLevels<'q, S>,
-    pub(super) digital: TickDigital<'q, S>,
-    pub(super) reports: Sender<'q, ReportOf<S>>,
+    pub(super) reports: Sender<'q, TickReport<S>>,
     pub(super) faults: Sender<'q, Fault<S::N>>,
     pub(super) samples: Sender<'q, Telemetry<S::N>>,
     pub(super) shared: &'q SharedCounters,
@@ -150,11 +120,11 @@ pub(super) struct ForegroundEnds<'q, S: Scene> {
 
 impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     pub(super) fn new(
-        setup: Setup<S::Model>,
+        setup: Setup<ModelOf<S>>,
         angles: [N::Angle; 3],
-        (homing, interlocks): (S::Homing, S::Interlocks),
         settings: &Settings<N>,
         ends: ForegroundEnds<'q, S>,
+        features: TickFeatures<'q, S>,
     ) -> Self {
         let feed = FeedScale::new(settings.ramp.ticks);
         let motor = |angle| Motor {
@@ -169,30 +139,15 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             slope: slope::<N>(settings.ramp.ticks, settings.period),
             counts: Counts::new(&feed),
             host_timeout_ticks: settings.host_timeout_ticks,
-            moves: ends.moves,
-            recoveries: ends.recoveries,
-            orders: ends.orders,
-            setups: ends.setups,
-            shifted: Default::default(),
-            splices: ends.splices,
-            feedback: ends.feedback,
-            contact: ends.contact,
-            levels: ends.levels,
-            digital: ends.digital,
-            reports: ends.reports,
-            faults: ends.faults,
-            samples: ends.samples,
-            shared: ends.shared,
+            ends,
+            features,
             state: State::Disabled,
             supply: Supply::new(settings.power, settings.reactions),
-            homing,
-            interlocks,
             acting: Acting::Nothing,
             path: Path::None,
             current: None,
             position: PathPosition::START,
             part: Part::WHOLE,
-            trail: <S::Retreat as RetreatKind>::trail(),
             passed: RoomCount::NOTHING,
             feed,
             held: false,
@@ -224,18 +179,15 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     /// One tick of a machine that needs no inputs: takes an order, goes on along the path, computes
     /// and checks what the motors have to do, and samples. Never waits.
     #[inline]
-    pub fn tick(&mut self) -> &Output<N>
-    where
-        S::Homing: Homing<N, Inputs = ()>,
-    {
-        self.tick_with(())
+    pub fn tick(&mut self) -> &Output<N> {
+        self.tick_with([false; 3])
     }
 
     /// One tick, with the inputs of homing as they are now, that is where the motors were commanded
     /// in the last tick: for each motor whether its switch is closed, or its drive says that it
     /// stalls. Otherwise as [`Foreground::tick`].
     #[inline]
-    pub fn tick_with(&mut self, inputs: <S::Homing as Homing<N>>::Inputs) -> &Output<N> {
+    pub fn tick_with(&mut self, inputs: [bool; 3]) -> &Output<N> {
         self.tick_observed(inputs, |_, _| {})
     }
 
@@ -244,23 +196,14 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     #[inline]
     pub fn tick_observed(
         &mut self,
-        inputs: <S::Homing as Homing<N>>::Inputs,
+        inputs: [bool; 3],
         observe: impl FnOnce(&Setpoint<N>, &Motion<N>),
     ) -> &Output<N> {
-        let readings = self.feedback.get().and_then(|watch| watch.readings());
-        self.homing.listen(inputs, &self.output.motors, readings);
-        if let Some(shifted) = self.shifted.get_mut() {
-            *shifted = None;
-        }
+        self.features.begin_tick(inputs, &self.output.motors);
         self.listen();
         self.watch();
         self.take_splice();
-        if let Some(levels) = self.levels.get_mut() {
-            levels.drop_stale(self.generation);
-        }
-        if let Some(digital) = self.digital.get_mut() {
-            digital.drop_stale(self.generation);
-        }
+        self.features.drop_stale(self.generation);
         self.check_interlocks();
         let started = self.take_order();
         let target = self.advance(started);
@@ -302,44 +245,49 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             }
         };
         self.clock = self.clock.wrapping_add(1);
-        self.shared.tick.store(self.clock, Ordering::Relaxed);
+        self.ends.shared.tick.store(self.clock, Ordering::Relaxed);
         let runs = self.tool_runs();
-        if let Some(digital) = self.digital.get_mut() {
-            self.unreported |= digital.settle(runs, self.clock);
-        }
+        self.unreported |= self.features.settle(runs, self.clock);
         self.report();
         self.sample(&setpoint);
-        if let Some(watch) = self.feedback.get_mut() {
-            watch.sample(self.clock);
-        }
+        self.features.sample(self.clock);
         &self.output
     }
 
     /// Takes what the drives tell, before the tick. An older telling counts as one that the drives repeat.
     #[inline]
-    pub fn hear(&mut self, readings: ReadingsOf<S>) {
-        <S::Feedback as Feedback<N>>::hear(&mut self.feedback, readings);
+    pub fn hear(&mut self, readings: Readings<N>) {
+        if let Some(watch) = self.features.feedback.get_mut() {
+            watch.hear(readings);
+        }
     }
 
     /// Takes what the contacts of the interlocks tell, before the tick. A machine whose owner says nothing keeps the last.
     #[inline]
-    pub fn sense(&mut self, readings: InterlockReadingsOf<S>) {
-        if self.interlocks.sense(readings) {
+    pub fn sense(&mut self, readings: InterlockReadings) {
+        let inputs = self.features.interlocks.get_mut();
+        let changed = inputs.is_some_and(|all| all.sense(readings));
+        let probe = self.features.probe.get_mut();
+        let probed = probe.is_some_and(|probe| probe.read(readings.probe));
+        if changed | probed {
             self.unreported = true;
         }
     }
 
     /// Takes the levels of the spare inputs, before the tick. A machine whose owner says nothing keeps the last.
     #[inline]
-    pub fn sense_digital(&mut self, readings: DigitalReadingsOf<S>) {
-        <S::Digital as DigitalKind>::sense(&mut self.digital, readings);
+    pub fn sense_digital(&mut self, readings: u8) {
+        if let Some(digital) = self.features.digital.get_mut() {
+            digital.sense(readings);
+        }
     }
 
     /// Returns the spare outputs that are on, a bit for each: none after a fault from outside, too.
     #[inline]
     pub fn digital_outputs(&self) -> u8 {
         let runs = self.tool_runs();
-        self.digital
+        self.features
+            .digital
             .get()
             .map_or(0, |digital| digital.outputs(runs))
     }
@@ -378,9 +326,9 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     #[inline]
     pub fn report_timing(&mut self, duration: u32, period: u32) -> bool {
         self.duration = duration;
-        let longest = self.shared.longest.load(Ordering::Relaxed);
+        let longest = self.ends.shared.longest.load(Ordering::Relaxed);
         if duration > longest {
-            self.shared.longest.store(duration, Ordering::Relaxed);
+            self.ends.shared.longest.store(duration, Ordering::Relaxed);
         }
         let in_time = duration <= period;
         if !in_time {
@@ -391,7 +339,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
 
     /// Counts a tick that came too late, of a machine that keeps no deadlines.
     pub fn count_late(&mut self) {
-        super::handoff::count(&self.shared.late);
+        super::handoff::count(&self.ends.shared.late);
     }
 
     #[cold]
@@ -407,8 +355,9 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     /// adds the shift to the angle that it counts from.
     #[inline]
     pub fn shift(&self) -> Option<[N::Angle; 3]> {
-        let offsets = self.shifted.get().copied().flatten();
-        self.homing.shift().or(offsets)
+        let offsets = self.features.shifted.get().copied().flatten();
+        let homing = self.features.homing.get().and_then(Option::as_ref);
+        homing.and_then(Cycle::shift).or(offsets)
     }
 
     /// Says where the motors are, for a machine that has just found out by encoders. Heard
@@ -441,14 +390,14 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     fn check(&self, motion: &Motion<N>) -> Result<(), LimitBreach<N>> {
         match self.state {
             State::Reacting => Ok(()),
-            _ => self.guard.check::<S::Model>(motion),
+            _ => self.guard.check::<ModelOf<S>>(motion),
         }
     }
 
     /// Counts the silence of the host.
     #[inline]
     fn listen(&mut self) {
-        let heard = self.shared.heard.load(Ordering::Relaxed);
+        let heard = self.ends.shared.heard.load(Ordering::Relaxed);
         if heard != self.heard {
             self.heard = heard;
             self.silent = 0;
@@ -471,7 +420,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             self.held = true;
             return self.transition_to(State::Slowing, Acting::Silence);
         }
-        self.homing.stop();
+        self.features.stop_homing();
         self.transition_to(State::Stopping, Acting::Silence);
     }
 
@@ -480,16 +429,11 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             self.account(state, acting);
             if !plays(state) {
                 self.leave();
-                if let Some(probe) = self.interlocks.probe() {
-                    probe.disarm();
-                }
             }
             if state == State::Running {
                 self.left = None;
             }
-            if let Some(digital) = self.digital.get_mut() {
-                digital.enter(state);
-            }
+            self.features.enter(state, plays(state));
             self.state = state;
             self.acting = acting;
             self.unreported = true;
@@ -503,16 +447,20 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         let was_dry = self.acting == Acting::QueueDry;
         let slows = |state| matches!(state, State::Slowing | State::Stopping | State::Reacting);
         if was_dry && acting != Acting::QueueDry {
-            let dry = self.shared.dry.load(Ordering::Relaxed);
-            self.shared
+            let dry = self.ends.shared.dry.load(Ordering::Relaxed);
+            self.ends
+                .shared
                 .dry
                 .store(dry.wrapping_add(took), Ordering::Relaxed);
         }
         if !was_dry && slows(self.state) && !slows(state) {
-            let longest = self.shared.longest_stop.load(Ordering::Relaxed);
+            let longest = self.ends.shared.longest_stop.load(Ordering::Relaxed);
             // That in which it comes to rest is one of them.
             let longest = longest.max(took.wrapping_add(1));
-            self.shared.longest_stop.store(longest, Ordering::Relaxed);
+            self.ends
+                .shared
+                .longest_stop
+                .store(longest, Ordering::Relaxed);
         }
         let goes_on = match was_dry {
             true => acting == Acting::QueueDry,
@@ -533,11 +481,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         self.current = None;
         self.position = PathPosition::START;
         self.passed = RoomCount::NOTHING;
-        if let Some(splices) = self.splices.get_mut() {
-            splices.drop_queue();
-        }
-        self.end_levels();
-        self.forget_trail();
+        self.features.drop_queue();
         self.feed.end();
         self.held = false;
         self.done = self.begun;

@@ -2,13 +2,11 @@
 
 use super::super::feed::PathPosition;
 use super::super::handoff::{Order, QueuedMove};
-use super::super::homing::Homing;
-use super::super::interlock::InterlockKind;
-use super::super::scene::{Scene, Take};
 use super::{Foreground, Part, Path};
+use crate::feature::Optional;
 use crate::guard::Guard;
 use crate::number::ServiceNumber;
-use crate::splice::Optional;
+use crate::scene::{CurvesOf, Scene};
 use trirrr_core::setpoint::wrapped;
 use trirrr_protocol::message::{Acting, State};
 
@@ -18,12 +16,18 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// changed while it was on its way, changes nothing.
     #[inline]
     pub(super) fn take_order(&mut self) -> bool {
-        if self.path == Path::None && self.moves.peek().is_some_and(|next| self.is_stale(next)) {
+        if self.path == Path::None
+            && self
+                .ends
+                .moves
+                .peek()
+                .is_some_and(|next| self.is_stale(next))
+        {
             // One per tick; orders given after the queue was dropped wait until it is empty.
-            self.moves.discard();
+            self.ends.moves.discard();
             return false;
         }
-        let Some(order) = self.orders.receive() else {
+        let Some(order) = self.ends.orders.receive() else {
             return false;
         };
         self.orders_taken = self.orders_taken.wrapping_add(1);
@@ -33,21 +37,21 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             Order::Probe { away } => return self.start_probing(away),
             Order::Hold => self.hold(),
             // The state may be older than the door.
-            Order::Resume => self.held = self.interlocks.is_open(),
+            Order::Resume => self.held = self.features.is_open(),
             Order::Stop => self.stop(),
             Order::ClearFault => self.clear_fault(),
             Order::Enable => self.enable(),
             Order::Disable => self.disable(),
             Order::Place => self.place(),
             Order::Drives { every } => {
-                if let Some(watch) = self.feedback.get_mut() {
+                if let Some(watch) = self.features.feedback.get_mut() {
                     watch.sample_every(every);
                 }
             }
             Order::Recover => return self.recover(),
             Order::Home => self.home(),
             Order::Output { on, off } => {
-                if let Some(digital) = self.digital.get_mut() {
+                if let Some(digital) = self.features.digital.get_mut() {
                     digital.switch(on, off, self.state);
                 }
             }
@@ -57,7 +61,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 self.countdown = 0;
             }
             Order::Adopt => {
-                if let Some(setup) = self.setups.take() {
+                if let Some(setups) = self.features.setups.get_mut()
+                    && let Some(setup) = setups.receive()
+                {
                     self.tick = setup.tick;
                     self.guard = Guard::of_results(&setup.limits);
                     self.pose = setup.pose;
@@ -75,25 +81,27 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         for (motor, by) in self.output.motors.iter_mut().zip(by) {
             motor.angle = wrapped::<N>(motor.angle + by);
         }
-        self.homing.add_offsets(by);
-        if let Some(watch) = self.feedback.get_mut() {
+        if let Some(cycle) = self.features.homing() {
+            cycle.add_offsets(by);
+        }
+        if let Some(watch) = self.features.feedback.get_mut() {
             watch.forget(&self.output.motors);
         }
-        if let Some(shifted) = self.shifted.get_mut() {
+        if let Some(shifted) = self.features.shifted.get_mut() {
             *shifted = Some(by);
         }
     }
 
-    pub(super) fn is_stale(&self, planned: &QueuedMove<N, S::Curves>) -> bool {
+    pub(super) fn is_stale(&self, planned: &QueuedMove<N, CurvesOf<S>>) -> bool {
         planned.generation != self.generation
     }
 
     fn start_probing(&mut self, away: bool) -> bool {
-        let probe = self.interlocks.probe();
+        let probe = self.features.probe.get_mut();
         if !probe.is_some_and(|probe| probe.is_ready(away)) || !self.start() {
             return false;
         }
-        if let Some(probe) = self.interlocks.probe() {
+        if let Some(probe) = self.features.probe.get_mut() {
             probe.arm(away);
         }
         true
@@ -104,7 +112,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         let ahead = self.ahead();
         let room = |x: usize| self.passed.room.left(&ahead.room, x);
         let enough = ahead.rests_from(self.begun) || self.feed.is_enough(0, room);
-        let is_blocked = self.interlocks.is_open() || self.interlocks.is_at_limit();
+        let is_blocked = self.features.is_open() || self.features.is_at_limit();
         if self.state != State::Idle || is_blocked || !(enough || full) {
             return false;
         }
@@ -122,8 +130,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     fn recover(&mut self) -> bool {
         let waits = matches!(self.state, State::Idle | State::Cleared);
-        if !waits || self.interlocks.is_open() {
-            self.recoveries.discard();
+        if !waits || self.features.is_open() {
+            self.ends.recoveries.discard();
             return false;
         }
         self.drop_queue();
@@ -137,12 +145,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     fn home(&mut self) {
         let waits = matches!(self.state, State::Unhomed | State::Idle | State::Cleared);
-        if !waits || !self.homing.is_needed() || self.interlocks.is_open() {
-            self.recoveries.discard();
+        if !waits || !self.features.needs_homing() || self.features.is_open() {
+            self.ends.recoveries.discard();
             return;
         }
         self.drop_queue();
-        self.homing.begin();
+        if let Some(cycle) = self.features.homing() {
+            cycle.begin();
+        }
         self.silent = 0;
         self.transition_to(State::Homing, Acting::Nothing);
     }
@@ -150,14 +160,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// At the start of a path, which starts at rest: normal speed at once.
     pub(super) fn begin(&mut self) {
         self.position = PathPosition::START;
-        self.forget_trail();
+        self.features.begin_path();
         self.feed.start();
         self.held = false;
         self.silent = 0;
     }
 
     fn hold(&mut self) {
-        if self.interlocks.is_open() {
+        if self.features.is_open() {
             // The machine holds already, and for a reason that outlasts this one.
             return;
         }
@@ -186,7 +196,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             }
             State::Stopping => self.transition_to(State::Stopping, Acting::Stop),
             State::Homing => {
-                self.homing.stop();
+                self.features.stop_homing();
                 self.transition_to(State::Stopping, Acting::Stop);
             }
             State::Idle => {

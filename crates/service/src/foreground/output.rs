@@ -2,13 +2,11 @@
 
 use super::super::guard::LimitBreach;
 use super::super::handoff::QueuedMove;
-use super::super::homing::Homing;
-use super::super::interlock::InterlockKind;
-use super::super::scene::Scene;
 use super::{Foreground, Path};
+use crate::feature::Optional;
 use crate::number::ServiceNumber;
+use crate::scene::Scene;
 use crate::settings::StopCategory;
-use crate::splice::Optional;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointSetpoint, Setpoint};
 use trirrr_core::tick::Motor;
@@ -64,21 +62,13 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             _ => return N::ZERO,
         };
         // Levels go with the place, also where the tool stays off.
-        let power = match self.levels.get_mut() {
+        let power = match self.features.levels.get_mut() {
             Some(levels) => levels.part_of(power, setpoint),
             None => power,
         };
         match self.waits_for_door() {
             true => N::ZERO,
             false => power,
-        }
-    }
-
-    /// No move is under way any more: its levels go.
-    #[inline]
-    pub(super) fn end_levels(&mut self) {
-        if let Some(levels) = self.levels.get_mut() {
-            levels.end();
         }
     }
 
@@ -117,7 +107,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         };
         if !self.state.has_fault() {
             // There is room: the one before was taken before it was cleared.
-            self.faults.send(Fault {
+            self.ends.faults.send(Fault {
                 code: broken.code,
                 index: broken.index,
                 value: broken.value,
@@ -137,10 +127,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// Stop at this fault.
     fn reaction(&self, code: FaultCode) -> StopCategory {
-        match self.contact.get() {
-            _ if S::Interlocks::EXIST && code == FaultCode::EmergencyStop => {
-                self.interlocks.category()
-            }
+        if let Some(interlocks) = self.features.interlocks.get()
+            && code == FaultCode::EmergencyStop
+        {
+            return interlocks.category();
+        }
+        match self.features.contact.get() {
             Some(contact) if code.is_contact() => contact.reaction(),
             _ => self.supply.reaction(code),
         }
@@ -153,10 +145,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         self.output.brake_released = false;
         self.supply.fail();
         if self.state != State::Fault {
-            if matches!(self.path, Path::Joints | Path::JointsEnded) || self.homing.is_under_way() {
-                self.recoveries.discard();
+            if matches!(self.path, Path::Joints | Path::JointsEnded) || self.features.is_homing() {
+                self.ends.recoveries.discard();
             }
-            self.homing.abandon();
+            if let Some(cycle) = self.features.homing() {
+                cycle.abandon();
+            }
             self.drop_queue();
             self.transition_to(State::Fault, self.acting);
         }

@@ -3,12 +3,11 @@
 use super::super::feed::{PathPosition, Step};
 use super::super::guard::LimitBreach;
 use super::super::handoff::Ahead;
-use super::super::homing::{Homing, Progress};
+use super::super::homing::Progress;
 use super::super::pace::{FULL, MovePaces, Pace};
-use super::super::scene::Scene;
 use super::{Foreground, Part, Path, Target};
 use crate::number::ServiceNumber;
-use crate::splice::Optional;
+use crate::scene::Scene;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_protocol::message::{Acting, State};
@@ -18,7 +17,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     #[inline]
     pub(super) fn advance(&mut self, started: bool) -> Target<N> {
         self.finish_path();
-        if self.homing.is_under_way() {
+        if self.features.is_homing() {
             return self.look_for_motors();
         }
         match self.state {
@@ -47,7 +46,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// A tick of homing. The recovery to the start pose follows in the tick in which it is done.
     fn look_for_motors(&mut self) -> Target<N> {
-        match self.homing.advance(&self.output.motors) {
+        let Some(cycle) = self.features.homing() else {
+            return Target::Still;
+        };
+        match cycle.advance(&self.output.motors) {
             Progress::Moving(joints) => Target::Joints(joints),
             Progress::Done => {
                 self.path = Path::Joints;
@@ -57,7 +59,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 self.target(self.feed.steady())
             }
             Progress::Stopped => {
-                self.recoveries.discard();
+                self.ends.recoveries.discard();
                 self.rest_in(State::Unhomed, self.acting);
                 Target::Still
             }
@@ -99,7 +101,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 };
                 self.tell_left();
                 self.current = None;
-                self.end_levels();
+                self.features.end_moves();
                 self.path = Path::None;
                 self.position = PathPosition::START;
                 self.feed.end();
@@ -110,7 +112,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 self.rest_in(State::Idle, acting);
             }
             Path::JointsEnded => {
-                if let Some(recovery) = self.recoveries.receive() {
+                if let Some(recovery) = self.ends.recoveries.receive() {
                     self.pose = recovery.to;
                 }
                 self.path = Path::None;
@@ -265,6 +267,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             }
             Path::Joints => {
                 let ticks = self
+                    .ends
                     .recoveries
                     .peek()
                     .map_or(0, |recovery| recovery.path.ticks());
@@ -304,7 +307,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     fn take_next(&mut self) {
         let ticks = self.current.as_ref().map_or(0, |current| current.ticks);
         self.position.tick = self.position.tick.saturating_sub(ticks);
-        self.leave_behind(ticks);
+        self.features.keep_move(self.current.as_ref(), ticks);
         self.begin_next();
     }
 
@@ -315,12 +318,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             return false;
         };
         let number = current.number;
-        if let Some(levels) = self.levels.get_mut() {
-            levels.begin(number, self.generation);
-        }
-        if let Some(digital) = self.digital.get_mut() {
-            digital.begin(number, self.generation);
-        }
+        self.features.begin_move(number, self.generation);
         self.begun = number.wrapping_add(1);
         self.path = Path::Move;
         self.begin_part(0);
@@ -364,7 +362,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 Target::Setpoint(self.scaled(&on_path, step))
             }
             Path::Joints | Path::JointsEnded => {
-                let Some(recovery) = self.recoveries.peek() else {
+                let Some(recovery) = self.ends.recoveries.peek() else {
                     return Target::Still;
                 };
                 let mut joints = recovery.path.between(position.tick, self.part());
@@ -435,7 +433,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             State::Stopping | State::Reacting => {
                 let on_path = matches!(self.path, Path::Move | Path::Ended);
                 if !on_path {
-                    self.recoveries.discard();
+                    self.ends.recoveries.discard();
                 }
                 self.drop_queue();
                 // In a recovery the platform's pose is not known.

@@ -1,13 +1,14 @@
 //! Reports and samples that the tick sends of itself.
 
-use super::super::digital::DigitalKind;
-use super::super::feedback::Feedback;
 use super::super::handoff::{TickReport, count};
-use super::super::interlock::InterlockKind;
-use super::super::scene::Scene;
-use super::super::splice::{SpliceChannels, SplicesOf};
 use super::Foreground;
+use crate::digital::DigitalPlayer;
+use crate::feature::Feature;
+use crate::feedback::DriveWatch;
+use crate::interlock::ProbeLatch;
 use crate::number::ServiceNumber;
+use crate::scene::{QuinticsOf, Scene};
+use crate::splice::SplicePlayer;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_protocol::message::Telemetry;
 
@@ -15,9 +16,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Reports what changed; where there is no room, later.
     #[inline]
     pub(super) fn report(&mut self) {
-        if !self.unreported || !self.reports.has_room() {
+        if !self.unreported || !self.ends.reports.has_room() {
             return;
         }
+        let (features, at) = (&self.features, self.position.tick);
         let report = TickReport {
             orders: self.orders_taken,
             generation: self.generation,
@@ -29,12 +31,19 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             interrupted: self.interrupted,
             pose: self.pose,
             angles: self.output.motors.each_ref().map(|motor| motor.angle),
-            splice: <SplicesOf<S>>::report(&self.splices, self.position.tick),
-            feedback: <S::Feedback as Feedback<N>>::report(&self.feedback),
-            interlocks: self.interlocks.report(),
-            digital: <S::Digital as DigitalKind>::report(&self.digital),
+            splice: QuinticsOf::<S>::map(&features.splices, |all: &SplicePlayer<'_, _, _>| {
+                all.report(at)
+            }),
+            feedback: S::Feedback::map(&features.feedback, |watch: &DriveWatch<'_, N>| {
+                watch.report()
+            }),
+            interlocks: S::Interlocks::of(|| features.input_states()),
+            probe: S::Probe::map(&features.probe, |probe: &ProbeLatch<N>| *probe),
+            digital: S::Digital::map(&features.digital, |player: &DigitalPlayer<'_>| {
+                player.states()
+            }),
         };
-        self.unreported = !self.reports.send(report);
+        self.unreported = !self.ends.reports.send(report);
     }
 
     /// Every so many ticks a sample; where there is no room, one is lost and counted.
@@ -56,7 +65,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             number: self.number_under_way(),
             at: self.position.tick,
             part: self.position.part,
-            lost: self.shared.lost.load(core::sync::atomic::Ordering::Relaxed),
+            lost: self
+                .ends
+                .shared
+                .lost
+                .load(core::sync::atomic::Ordering::Relaxed),
             fields: self.fields,
             setpoint: *setpoint,
             angles: motors.each_ref().map(|motor| motor.angle),
@@ -66,8 +79,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             tool: self.output.tool,
             duration: self.duration,
         };
-        if !self.samples.send(sample) {
-            count(&self.shared.lost);
+        if !self.ends.samples.send(sample) {
+            count(&self.ends.shared.lost);
         }
     }
 }

@@ -1,33 +1,17 @@
 //! Back on the path, after a contact.
 
 use super::super::feed::{PathPosition, Step};
-use super::super::scene::Scene;
 use super::{Foreground, Path, Target};
+use crate::feature::Optional;
 use crate::number::ServiceNumber;
-use crate::splice::Optional;
+use crate::scene::Scene;
 use trirrr_protocol::message::{FaultCode, State};
 
 impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
-    /// Keeps the move under way, which was played for `ticks`, for a retreat.
-    #[inline]
-    pub(super) fn leave_behind(&mut self, ticks: u32) {
-        if let (Some(trail), Some(current)) = (self.trail.get_mut(), &self.current) {
-            trail.keep(*current, ticks);
-        }
-    }
-
-    /// Forgets the moves that were played.
-    #[inline]
-    pub(super) fn forget_trail(&mut self) {
-        if let Some(trail) = self.trail.get_mut() {
-            trail.clear();
-        }
-    }
-
     /// A fault of this kind brings the machine to rest: at a contact it is to go back then.
     #[inline]
     pub(super) fn want_retreat(&mut self, code: FaultCode) {
-        if let Some(trail) = self.trail.get_mut() {
+        if let Some(trail) = self.features.trail.get_mut() {
             trail.want(code.is_contact());
         }
     }
@@ -35,7 +19,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Returns true while the machine goes back.
     #[inline]
     pub(super) fn goes_back(&self) -> bool {
-        self.trail.get().is_some_and(|trail| trail.is_under_way())
+        self.features
+            .trail
+            .get()
+            .is_some_and(|trail| trail.is_under_way())
     }
 
     /// Number of the move that the machine is on, or of the last one: on the way back, of one before.
@@ -51,6 +38,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     #[inline]
     pub(super) fn begin_retreat(&mut self) -> bool {
         let ticks = self
+            .features
             .contact
             .get()
             .map_or(0, |contact| contact.retreat_ticks());
@@ -58,9 +46,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         let PathPosition { tick, part } = self.position;
         let parts = u64::from(tick) * u64::from(whole) + u64::from(part);
         let on_path = matches!(self.path, Path::Move | Path::Ended);
-        let (Some(trail), Some(current), State::Reacting, true) =
-            (self.trail.get_mut(), &self.current, self.state, on_path)
-        else {
+        let (Some(trail), Some(current), State::Reacting, true) = (
+            self.features.trail.get_mut(),
+            &self.current,
+            self.state,
+            on_path,
+        ) else {
             return false;
         };
         let begins = trail.begin(current, parts, ticks, whole);
@@ -74,7 +65,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Ends the way back at once: slows down.
     #[inline]
     pub(super) fn stop_retreat(&mut self) {
-        if let Some(trail) = self.trail.get_mut() {
+        if let Some(trail) = self.features.trail.get_mut() {
             trail.stop();
         }
     }
@@ -82,7 +73,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// A tick of the way back. At its end the machine stands, as after a stop.
     #[inline(never)]
     pub(super) fn go_back(&mut self) -> Target<N> {
-        let levels = self.trail.get_mut().and_then(|trail| trail.step());
+        let levels = self.features.trail.get_mut().and_then(|trail| trail.step());
         let Some([before, level]) = levels else {
             self.rest_in(State::Fault, self.acting);
             return Target::Setpoint(Self::standing(self.pose));
@@ -110,7 +101,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
         let ticks = match tick {
             0 => {
-                let Some(passed) = self.trail.get_mut().and_then(|trail| trail.take_last()) else {
+                let Some(passed) = self
+                    .features
+                    .trail
+                    .get_mut()
+                    .and_then(|trail| trail.take_last())
+                else {
                     // The way is not longer than the moves.
                     self.position = PathPosition::START;
                     return;

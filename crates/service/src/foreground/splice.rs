@@ -2,23 +2,24 @@
 
 use super::super::handoff::{Ahead, QueuedMove};
 use super::super::pace::{Room, RoomCount};
-use super::super::scene::Scene;
-use super::super::splice::{CutOrder, Optional, Place, SpliceOrder};
+use super::super::splice::{CutOrder, Place, SpliceOrder};
 use super::{Foreground, Path};
+use crate::feature::Optional;
 use crate::number::ServiceNumber;
+use crate::scene::{CurvesOf, Scene};
 use trirrr_protocol::message::State;
 
 impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Drops a move of the common queue that was cut, and takes an order.
     #[inline]
     pub(super) fn take_splice(&mut self) {
-        let Some(splices) = self.splices.get_mut() else {
+        let Some(splices) = self.features.splices.get_mut() else {
             return;
         };
         let order = splices.take_order();
         if splices.hides_queue {
-            match self.moves.peek() {
-                Some(next) if next.generation != self.generation => self.moves.discard(),
+            match self.ends.moves.peek() {
+                Some(next) if next.generation != self.generation => self.ends.moves.discard(),
                 _ => splices.hides_queue = false,
             }
         }
@@ -35,14 +36,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             SpliceOrder::Cut(cut) => cut,
             SpliceOrder::Withdraw => {
                 let stands = self.state == State::Holding && self.feed.is_at_rest();
-                if let Some(splices) = self.splices.get_mut() {
+                if let Some(splices) = self.features.splices.get_mut() {
                     splices.withdraw(stands);
                 }
                 return;
             }
         };
         let accepted = self.is_in_time(&cut);
-        if let Some(splices) = self.splices.get_mut() {
+        if let Some(splices) = self.features.splices.get_mut() {
             splices.accept(cut, accepted);
         }
         if accepted {
@@ -56,7 +57,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// background orders no other cut.
     fn is_in_time(&self, cut: &CutOrder) -> bool {
         let moves = matches!(self.state, State::Running | State::Slowing | State::Holding);
-        let Some(splices) = self.splices.get() else {
+        let Some(splices) = self.features.splices.get() else {
             return false;
         };
         let is_first = splices.pending().is_none() || splices.is_withdrawn();
@@ -88,7 +89,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// A tick of the move under way, or that of the cut where it comes first.
     #[inline]
     pub(super) fn clip(&self, tick: u32) -> u32 {
-        match self.splices.get() {
+        match self.features.splices.get() {
             Some(splices) => splices.clip(self.number(), tick),
             None => tick,
         }
@@ -97,7 +98,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Returns true while a cut is ahead: then only the room of its chain is counted.
     #[inline]
     pub(super) fn is_cut_ahead(&self) -> bool {
-        self.splices
+        self.features
+            .splices
             .get()
             .is_some_and(|all| all.pending().is_some())
     }
@@ -107,8 +109,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     // Seldom asked for, from several places.
     #[inline(never)]
     pub(super) fn gets_no_more(&self) -> bool {
-        let chain = self.splices.get().map_or(0, |all| all.len());
-        self.is_cut_ahead() || self.moves.len() + chain >= self.moves.capacity()
+        let chain = self.features.splices.get().map_or(0, |all| all.len());
+        self.is_cut_ahead() || self.ends.moves.len() + chain >= self.ends.moves.capacity()
     }
 
     /// Cut that is ahead: none, one, or one whose chain was given back.
@@ -123,14 +125,17 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// Returns true while the path waits for another chain in place of one that was given back.
     pub(super) fn waits_for_chain(&self) -> bool {
-        self.splices.get().is_some_and(|all| all.is_withdrawn())
+        self.features
+            .splices
+            .get()
+            .is_some_and(|all| all.is_withdrawn())
     }
 
     /// Changes over to the chain where the move under way is cut. Returns false if it is not.
     #[inline]
     pub(super) fn change_to_chain(&mut self) -> bool {
         let number = self.number();
-        let Some(splices) = self.splices.get_mut() else {
+        let Some(splices) = self.features.splices.get_mut() else {
             return false;
         };
         if !splices.cuts(number) {
@@ -147,7 +152,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         self.generation = self.generation.wrapping_add(1);
         // The part of a tick goes on.
         self.position.tick = self.position.tick.saturating_sub(tick);
-        self.leave_behind(tick);
+        self.features.keep_move(self.current.as_ref(), tick);
         self.begin_next();
         self.done = self.number();
         self.unreported = true;
@@ -155,24 +160,24 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// The move that follows the one under way.
     #[inline]
-    pub(super) fn next_move(&self) -> Option<&QueuedMove<N, S::Curves>> {
-        let Some(splices) = self.splices.get() else {
-            return self.moves.peek();
+    pub(super) fn next_move(&self) -> Option<&QueuedMove<N, CurvesOf<S>>> {
+        let Some(splices) = self.features.splices.get() else {
+            return self.ends.moves.peek();
         };
         match splices.peek(self.number()) {
-            None if !splices.hides_queue => self.moves.peek(),
+            None if !splices.hides_queue => self.ends.moves.peek(),
             next => next,
         }
     }
 
     /// The same, taken out.
     #[inline]
-    pub(super) fn receive_move(&mut self) -> Option<QueuedMove<N, S::Curves>> {
-        let Some(splices) = self.splices.get_mut() else {
-            return self.moves.receive();
+    pub(super) fn receive_move(&mut self) -> Option<QueuedMove<N, CurvesOf<S>>> {
+        let Some(splices) = self.features.splices.get_mut() else {
+            return self.ends.moves.receive();
         };
         match splices.receive() {
-            None if !splices.hides_queue => self.moves.receive(),
+            None if !splices.hides_queue => self.ends.moves.receive(),
             next => next,
         }
     }
@@ -180,8 +185,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Account of what is admitted.
     #[inline]
     pub(super) fn ahead(&self) -> Ahead {
-        let own = self.splices.get();
+        let own = self.features.splices.get();
         own.and_then(|splices| splices.ahead(self.generation))
-            .unwrap_or_else(|| self.shared.ahead())
+            .unwrap_or_else(|| self.ends.shared.ahead())
     }
 }

@@ -2,14 +2,12 @@
 
 use super::output::Power;
 use super::{Foreground, Path, Target};
+use crate::feature::Optional;
 use crate::feedback::EnableProgress;
 use crate::guard::LimitBreach;
-use crate::homing::Homing;
-use crate::interlock::InterlockKind;
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
 use crate::settings::{PowerTimes, Reactions, StopCategory};
-use crate::splice::Optional;
 use trirrr_protocol::message::{Acting, DriveFault, DriveState, FaultCode, State};
 
 /// Progress of switching on or off.
@@ -78,9 +76,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
         self.supply.countdown = self.supply.times.enable_ticks();
         self.output.power = Power::On;
-        if let Some(watch) = self.feedback.get_mut().filter(|watch| watch.measures()) {
+        let needs_homing = self.features.needs_homing();
+        if let Some(watch) = self.features.measuring() {
             watch.begin();
-            if self.homing.is_needed() {
+            if needs_homing {
                 watch.acknowledge(true);
             }
             self.supply.phase = EnablePhase::Check;
@@ -114,11 +113,13 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// cleared.
     pub(super) fn clear_fault(&mut self) {
         // The order may be older than the stop.
-        if self.interlocks.is_pressed() {
+        if self.features.is_pressed() {
             return;
         }
-        self.interlocks.acknowledge();
-        if let Some(watch) = self.feedback.get_mut() {
+        if let Some(interlocks) = self.features.interlocks.get_mut() {
+            interlocks.acknowledge();
+        }
+        if let Some(watch) = self.features.feedback.get_mut() {
             watch.acknowledge(false);
         }
         match self.state {
@@ -151,7 +152,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             self.state,
             State::Running | State::Slowing | State::Stopping | State::Recovering | State::Homing
         );
-        self.homing.stop();
+        self.features.stop_homing();
         self.transition_to(State::Reacting, self.acting);
         if !moves {
             self.end_reaction();
@@ -222,7 +223,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// State of a machine that stands with its drives on.
     fn ready_state(&self) -> State {
-        match (self.homing.is_needed(), self.supply.lost) {
+        match (self.features.needs_homing(), self.supply.lost) {
             (true, _) => State::Unhomed,
             (false, true) => State::Cleared,
             (false, false) => State::Idle,
@@ -231,7 +232,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// Stands where the machine is known to be, or only where its motors are.
     pub(super) fn stand(&mut self) -> Target<N> {
-        let holds = self.output.is_on() && !self.homing.is_needed() && !self.supply.lost;
+        let holds = self.output.is_on() && !self.features.needs_homing() && !self.supply.lost;
         match holds {
             true => Target::Setpoint(Self::standing(self.pose)),
             false => Target::Still,
@@ -241,7 +242,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// A tick of a machine that is being enabled. Returns true once its drives are on.
     #[inline]
     fn is_closed(&mut self) -> bool {
-        let Some(watch) = self.feedback.get_mut().filter(|watch| watch.measures()) else {
+        let needs_homing = self.features.needs_homing();
+        let Some(watch) = self.features.measuring() else {
             return true;
         };
         let wanted = match self.supply.phase {
@@ -258,7 +260,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                     motor.angle = angle;
                 }
                 self.unreported = true;
-                match self.homing.is_needed() {
+                match needs_homing {
                     true => self.close(),
                     false => {
                         watch.ask_for_pose();
@@ -276,13 +278,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// The background has found the pose: the drives close where they are, unless a joint has moved since.
     pub(super) fn place(&mut self) {
-        let Some(place) = self.recoveries.receive() else {
+        let Some(place) = self.ends.recoveries.receive() else {
             return;
         };
         if self.state != State::Enabling || self.supply.phase != EnablePhase::Place {
             return;
         }
         let stands = self
+            .features
             .feedback
             .get_mut()
             .is_some_and(|watch| watch.stands_at(&self.output.motors));
@@ -311,7 +314,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Watches the drives that are on.
     #[inline]
     pub(super) fn watch(&mut self) {
-        let stalled = self.homing.stalled(&self.output.motors);
+        let motors = &self.output.motors;
+        let cycle = self.features.homing();
+        let stalled = cycle.and_then(|cycle| cycle.stalled(motors));
         if let Some(motor) = stalled.filter(|_| self.output.is_on()) {
             self.latch(LimitBreach {
                 code: FaultCode::Drive(DriveFault::Stalled),
@@ -322,7 +327,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
         // Drives that go on, also of a machine that is disabled meanwhile, are not on yet.
         let is_on = self.output.is_on() && self.supply.phase == EnablePhase::Done;
-        let Some(watch) = self.feedback.get_mut().filter(|_| is_on) else {
+        let Some(watch) = self.features.feedback.get_mut().filter(|_| is_on) else {
             return;
         };
         // A motor that searches may stand against its stop.
@@ -334,7 +339,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             State::Stopping => matches!(self.path, Path::Move | Path::Ended),
             _ => false,
         };
-        let felt = match (self.contact.get_mut(), watch.readings()) {
+        let felt = match (self.features.contact.get_mut(), watch.readings()) {
             (Some(contact), Some(readings)) if torques_are_known => {
                 contact.check(readings, &self.output.motors, &self.pose)
             }

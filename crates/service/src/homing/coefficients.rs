@@ -1,5 +1,6 @@
 //! Coefficients of homing.
 
+use super::Plan;
 use super::parameters::{Contact, HomingMotor, HomingParameters, HomingTimes};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Pose, shorter_way};
@@ -96,6 +97,18 @@ impl<N: Number> HomingCoefficients<N> {
 }
 
 impl<N: Number> HomingCoefficients<N> {
+    /// Returns the plan of the homing.
+    pub(crate) fn plan(&self) -> Plan<N> {
+        let axes = self.axes.each_ref();
+        Plan {
+            from: axes.map(|axis| axis.park),
+            to: self.start,
+            ticks: self.times.to_start,
+            rates: axes.map(|axis| axis.search),
+            accelerations: axes.map(|axis| axis.acceleration),
+        }
+    }
+
     /// Returns true if motor `motor`, 0 to 2, at `angle` has reached its reference, or has run over it
     /// in the direction of the search.
     pub fn is_at_reference(&self, motor: usize, angle: N::Angle) -> bool {

@@ -4,8 +4,8 @@ use super::Progress;
 use super::coefficients::{HomingAxis, HomingCoefficients};
 use super::input::Input;
 use super::parameters::Contact;
+use crate::feature::Optional;
 use crate::feedback::Readings;
-use crate::splice::Optional;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointMove, JointSetpoint};
 use trirrr_core::setpoint::{shorter_way, wrapped};
@@ -17,7 +17,7 @@ const STAGES: u8 = 3;
 
 /// Homing of a machine, and where it stands.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cycle<'a, N: Number, O = ()> {
+pub(crate) struct Cycle<'a, N: Number, O = ()> {
     coefficients: &'a HomingCoefficients<N>,
     /// Encoder offsets that the coefficients do not have, in a scene that can be changed.
     offsets: O,
@@ -100,10 +100,7 @@ impl<N: Number> HomingAxis<N> {
 
 impl<'a, N: Number, O: Optional<Option<[N::Angle; 3]>>> Cycle<'a, N, O> {
     /// Before it has begun.
-    pub fn new(coefficients: &'a HomingCoefficients<N>) -> Self
-    where
-        O: Default,
-    {
+    pub(crate) fn new(coefficients: &'a HomingCoefficients<N>, offsets: O) -> Self {
         let search = |axis: &HomingAxis<N>| Search {
             input: Input::default(),
             changed_at: axis.contact,
@@ -111,7 +108,7 @@ impl<'a, N: Number, O: Optional<Option<[N::Angle; 3]>>> Cycle<'a, N, O> {
         };
         Self {
             coefficients,
-            offsets: O::default(),
+            offsets,
             searches: coefficients.axes.each_ref().map(search),
             phase: Phase::Ended,
             ticks: 0,
@@ -120,7 +117,7 @@ impl<'a, N: Number, O: Optional<Option<[N::Angle; 3]>>> Cycle<'a, N, O> {
         }
     }
 
-    pub(super) fn listen(
+    pub(crate) fn listen(
         &mut self,
         inputs: [bool; 3],
         motors: &[Motor<N>; 3],
@@ -150,7 +147,7 @@ impl<'a, N: Number, O: Optional<Option<[N::Angle; 3]>>> Cycle<'a, N, O> {
         }
     }
 
-    pub(super) fn stalled(&self, motors: &[Motor<N>; 3]) -> Option<u8> {
+    pub(crate) fn stalled(&self, motors: &[Motor<N>; 3]) -> Option<u8> {
         if !self.coefficients.stall_is_fault || self.is_under_way() {
             return None;
         }
@@ -161,26 +158,26 @@ impl<'a, N: Number, O: Optional<Option<[N::Angle; 3]>>> Cycle<'a, N, O> {
         all.position(stalls).map(|motor| motor as u8)
     }
 
-    pub(super) fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         let stages = self.coefficients.axes.iter().map(|axis| axis.stage);
         self.enter_stage(stages.min().unwrap_or(0));
     }
 
-    pub(super) fn stop(&mut self) {
+    pub(crate) fn stop(&mut self) {
         if self.is_under_way() {
             self.enter(Phase::Stopping);
         }
     }
 
-    pub(super) fn abandon(&mut self) {
+    pub(crate) fn abandon(&mut self) {
         self.enter(Phase::Ended);
     }
 
-    pub(super) fn is_under_way(&self) -> bool {
+    pub(crate) fn is_under_way(&self) -> bool {
         self.phase != Phase::Ended
     }
 
-    pub(super) fn add_offsets(&mut self, by: [N::Angle; 3]) {
+    pub(crate) fn add_offsets(&mut self, by: [N::Angle; 3]) {
         if let Some(offsets) = self.offsets.get_mut() {
             let mut sum = offsets.unwrap_or([N::angle(N::ZERO); 3]);
             for (offset, by) in sum.iter_mut().zip(by) {
@@ -190,11 +187,11 @@ impl<'a, N: Number, O: Optional<Option<[N::Angle; 3]>>> Cycle<'a, N, O> {
         }
     }
 
-    pub(super) fn shift(&self) -> Option<[N::Angle; 3]> {
+    pub(crate) fn shift(&self) -> Option<[N::Angle; 3]> {
         self.shift
     }
 
-    pub(super) fn advance(&mut self, motors: &[Motor<N>; 3]) -> Progress<N> {
+    pub(crate) fn advance(&mut self, motors: &[Motor<N>; 3]) -> Progress<N> {
         self.ticks = self.ticks.saturating_add(1);
         match self.phase {
             Phase::Ended => Progress::Stopped,

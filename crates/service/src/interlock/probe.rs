@@ -1,34 +1,16 @@
 //! A probe: the contact that ends a run, and where that was.
 
 use super::debounce::DebouncedInput;
-use crate::splice::Optional;
-use core::fmt::Debug;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
-
-/// Memory of a probe; `()` without any.
-pub trait ProbeMemory<N: Number>:
-    Optional<ProbeLatch<N>> + Copy + Debug + PartialEq + Send
-{
-    /// True for a scene that may have a probe.
-    const EXISTS: bool;
-
-    /// Memory of a probe whose state is told free of bounces of so many ticks; `None`: the scene names no probe.
-    fn new(debounce_ticks: Option<u16>) -> Self;
-}
-
-impl<N: Number> ProbeMemory<N> for () {
-    const EXISTS: bool = false;
-
-    fn new(_: Option<u16>) -> Self {}
-}
+use trirrr_protocol::message::InputState;
 
 /// Probe, and its last run.
 ///
 /// A run ends in the first tick whose reading differs: bounces follow the contact, and none comes before it. Only the state that
 /// is told is free of bounces.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct ProbeLatch<N: Number> {
+pub(crate) struct ProbeLatch<N: Number> {
     contact: DebouncedInput,
     exists: bool,
     /// Reading of this tick, bounces and all.
@@ -56,21 +38,30 @@ pub(crate) struct LatchedContact<N: Number> {
 }
 
 impl<N: Number> ProbeLatch<N> {
+    /// Probe whose state is told free of bounces of so many ticks; `None`: the scene names no probe.
+    pub(crate) fn new(debounce_ticks: Option<u16>) -> Self {
+        Self {
+            contact: DebouncedInput::new(debounce_ticks.unwrap_or(1)),
+            exists: debounce_ticks.is_some(),
+            touches: false,
+            awaited: None,
+            run: None,
+        }
+    }
+
+    /// Returns the state that is told.
+    pub(crate) fn state(&self) -> InputState {
+        match self.exists {
+            true => InputState::of(self.contact.is_active()),
+            false => InputState::Absent,
+        }
+    }
+
     /// Takes the reading of a tick. Returns true if the state that is told has changed.
     #[inline]
-    pub(super) fn read(&mut self, touches: bool) -> bool {
+    pub(crate) fn read(&mut self, touches: bool) -> bool {
         self.touches = self.exists && touches;
         self.exists && self.contact.read(touches)
-    }
-
-    /// Returns true if the scene names a probe.
-    pub(super) fn exists(&self) -> bool {
-        self.exists
-    }
-
-    /// Returns true while the probe touches, free of bounces.
-    pub(super) fn is_active(&self) -> bool {
-        self.contact.is_active()
     }
 
     /// Returns true if a run may begin: its contact is still to change.
@@ -108,31 +99,5 @@ impl<N: Number> ProbeLatch<N> {
     /// Returns the last run.
     pub(crate) fn run(&self) -> Option<&LatchedRun<N>> {
         self.run.as_ref()
-    }
-}
-
-impl<N: Number> Optional<ProbeLatch<N>> for ProbeLatch<N> {
-    #[inline(always)]
-    fn get(&self) -> Option<&Self> {
-        Some(self)
-    }
-
-    #[inline(always)]
-    fn get_mut(&mut self) -> Option<&mut Self> {
-        Some(self)
-    }
-}
-
-impl<N: Number> ProbeMemory<N> for ProbeLatch<N> {
-    const EXISTS: bool = true;
-
-    fn new(debounce_ticks: Option<u16>) -> Self {
-        Self {
-            contact: DebouncedInput::new(debounce_ticks.unwrap_or(1)),
-            exists: debounce_ticks.is_some(),
-            touches: false,
-            awaited: None,
-            run: None,
-        }
     }
 }

@@ -20,7 +20,7 @@ const UNIT: u32 = 8;
 
 /// Levels of a move, and the place of the tool among them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MoveLevels<N: Number> {
+pub(crate) struct MoveLevels<N: Number> {
     pub(super) number: u32,
     /// As in a [`QueuedMove`](crate::handoff::QueuedMove).
     pub(super) generation: u8,

@@ -9,7 +9,7 @@ use trirrr_core::setpoint::Setpoint;
 use trirrr_protocol::message::{FULL_LEVEL, LISTED};
 
 /// End at which the tick takes lists.
-pub struct LevelPlayer<'q, N: ServiceNumber> {
+pub(crate) struct LevelPlayer<'q, N: ServiceNumber> {
     levels: &'q [AtomicU8],
     lists: Receiver<'q, MoveLevels<N>>,
     released: &'q AtomicU32,

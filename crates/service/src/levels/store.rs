@@ -14,7 +14,7 @@ use trirrr_protocol::message::{LEVELS, LISTED, LevelPiece, LevelRange, Refusal};
 ///
 /// Levels are counted modulo 2^32. Those before `released` may be overwritten; those up to `sent` belong to admitted moves, those
 /// up to `bound` to offered ones, those up to `written` to nobody yet.
-pub struct LevelStore<'q, N: ServiceNumber> {
+pub(crate) struct LevelStore<'q, N: ServiceNumber> {
     levels: &'q [AtomicU8],
     lists: Sender<'q, MoveLevels<N>>,
     released: &'q AtomicU32,
@@ -46,6 +46,11 @@ impl<'q, N: ServiceNumber> LevelStore<'q, N> {
             bound: 0,
             written: 0,
         }
+    }
+
+    /// Most levels that are held at a time; 0 of a machine that plays no lists.
+    pub(crate) fn room(&self) -> u16 {
+        self.room
     }
 
     /// Takes levels, in the place of those given before and not taken by a move from there on.

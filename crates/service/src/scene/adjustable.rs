@@ -1,25 +1,21 @@
 //! A scene that the host can change while the machine is idle.
 
-use super::{Changed, Scene, Setup};
+use super::{Changed, Machine, NoImage, Scene};
 use crate::coefficients::{Coefficients, allow_jerk};
-use crate::contact::ContactCoefficients;
-use crate::digital::DigitalParameters;
-use crate::feedback::FeedbackCoefficients;
-use crate::homing::{NoHoming, Plan};
+use crate::feature::On;
 use crate::number::ServiceNumber;
 use crate::offered::PlayedCurves;
 use crate::planner::PathPlanner;
 use crate::settings::Settings;
 use core::f64::consts::PI;
 use core::marker::PhantomData;
-use heapless::spsc::Queue;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{BuildError, LegParameters, Parameters, Quantity};
 use trirrr_core::model::{Model, ModelKind, OfKind};
 use trirrr_core::setpoint::Quintics;
 use trirrr_core::units::Units;
+use trirrr_protocol::message::Refusal;
 use trirrr_protocol::message::scene::{Section, SectionName};
-use trirrr_protocol::message::{MoveBatch, Refusal, UpdateStep};
 
 /// Scene that the host can change, within the room that the model `M` has. It plays
 /// moves of the kinds `K`, and plans paths by `P`.
@@ -70,25 +66,33 @@ impl<M: Model, K: PlayedCurves, P> Adjustable<M, K, P> {
     }
 }
 
+/// Scene of the machine alone, as a host reads its requests.
 impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scene
     for Adjustable<M, K, P>
 {
     type N = N;
-    type Model = M;
-    type Slot = Queue<Setup<M>, 2>;
-    type Replacement = Section;
-    type Batch = MoveBatch<N>;
-    type Update = UpdateStep;
-    type Curves = K;
-    type Planner = P;
-    type Part = Section;
+    type Machine = Self;
+    type Batches = On;
+    type Update = NoImage;
     type Levels = ();
-    type Homing = NoHoming;
+    type Homing = ();
     type Feedback = ();
     type Contact = ();
-    type Retreat = crate::retreat::NoRetreat;
+    type Retreat = ();
     type Interlocks = ();
+    type Probe = ();
     type Digital = ();
+}
+
+impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Machine
+    for Adjustable<M, K, P>
+{
+    type N = N;
+    type Model = M;
+    type Curves = K;
+    type Planner = P;
+    type Changes = On;
+    type Part = Section;
     type Coefficients = Coefficients<M>;
 
     fn coefficients(&self, settings: &Settings<N>) -> Result<Coefficients<M>, BuildError> {
@@ -111,38 +115,6 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
             leg.encoder_offset_rad = *offset;
         }
         part
-    }
-
-    #[inline(always)]
-    fn levels(&self) -> u16 {
-        0
-    }
-
-    fn homing(&self) -> NoHoming {
-        NoHoming
-    }
-
-    #[inline(always)]
-    fn interlocks(&self) {}
-
-    #[inline(always)]
-    fn digital(&self) -> DigitalParameters {
-        DigitalParameters::default()
-    }
-
-    #[inline(always)]
-    fn feedback(&self) -> Option<&FeedbackCoefficients<N>> {
-        None
-    }
-
-    #[inline(always)]
-    fn contact(&self) -> Option<&ContactCoefficients<N>> {
-        None
-    }
-
-    #[inline(always)]
-    fn plan(&self) -> Option<Plan<N>> {
-        None
     }
 
     fn changed(&self, section: &Section, units: &Units) -> Result<Changed, Refusal<N>> {

@@ -1,170 +1,33 @@
-//! The scene that a service is built from. It says whether the host can change the machine.
+//! The scene that a service is built from: its machine, and the features that it has.
 //!
-//! [`Compiled`] cannot change: an image with it holds coefficients and no code to build any.
-//! [`Adjustable`] takes overrides of geometry, loads and limits while the machine is idle.
-//! [`WithLevels`] adds power lists to either, [`WithHoming`] homing, [`WithFeedback`] drives that tell where they are, [`WithContact`] the detection of contacts to that,
-//! [`WithInterlocks`] an emergency stop, a door, limit switches and a probe, [`WithDigital`] spare inputs and outputs,
-//! [`WithUpdate`] a program that can be replaced over the line. The choice
-//! is a type, so that a scene pays only for its own kind. Likewise the kinds of moves: cubics, or quintics beside them.
-
-/// Items of a [`Scene`] that are those of its field `scene`, of type `S` in the number type `N`: always the machine and what is replaced of
-/// it, and the named ones.
-macro_rules! inner {
-    ($($part:ident),*) => {
-        type N = N;
-        type Model = S::Model;
-        type Slot = S::Slot;
-        type Replacement = S::Replacement;
-        type Batch = S::Batch;
-        type Curves = S::Curves;
-        type Planner = S::Planner;
-        type Part = S::Part;
-        type Coefficients = S::Coefficients;
-
-        fn coefficients(
-            &self,
-            settings: &$crate::settings::Settings<N>,
-        ) -> Result<S::Coefficients, trirrr_core::machine::BuildError> {
-            self.scene.coefficients(settings)
-        }
-
-        fn part(
-            &self,
-            name: trirrr_protocol::message::scene::SectionName,
-            units: &trirrr_core::units::Units,
-        ) -> Option<S::Part> {
-            self.scene.part(name, units)
-        }
-
-        #[inline(always)]
-        fn changed(
-            &self,
-            section: &trirrr_protocol::message::scene::Section,
-            units: &trirrr_core::units::Units,
-        ) -> Result<$crate::scene::Changed, trirrr_protocol::message::Refusal<N>> {
-            self.scene.changed(section, units)
-        }
-
-        fn adopt(
-            &mut self,
-            changed: &$crate::scene::Changed,
-            built: $crate::coefficients::Coefficients<S::Model>,
-            kept: &mut S::Coefficients,
-        ) {
-            self.scene.adopt(changed, built, kept);
-        }
-
-        $($crate::scene::inner!(@$part);)*
-    };
-    (@update) => {
-        type Update = S::Update;
-
-        #[inline(always)]
-        fn update(
-            &mut self,
-            step: &trirrr_protocol::message::UpdateStep,
-        ) -> Result<(), trirrr_protocol::message::Refusal<N>> {
-            self.scene.update(step)
-        }
-
-        #[inline(always)]
-        fn update_status(&self) -> Option<trirrr_protocol::message::UpdateStatus> {
-            self.scene.update_status()
-        }
-    };
-    (@digital) => {
-        type Digital = S::Digital;
-
-        #[inline(always)]
-        fn digital(&self) -> $crate::digital::DigitalParameters {
-            self.scene.digital()
-        }
-    };
-    (@levels) => {
-        type Levels = S::Levels;
-
-        #[inline(always)]
-        fn levels(&self) -> u16 {
-            self.scene.levels()
-        }
-    };
-    (@homing) => {
-        type Homing = S::Homing;
-
-        fn homing(&self) -> S::Homing {
-            self.scene.homing()
-        }
-
-        #[inline(always)]
-        fn plan(&self) -> Option<$crate::homing::Plan<N>> {
-            self.scene.plan()
-        }
-    };
-    (@feedback) => {
-        type Feedback = S::Feedback;
-
-        #[inline(always)]
-        fn feedback(&self) -> Option<&$crate::feedback::FeedbackCoefficients<N>> {
-            self.scene.feedback()
-        }
-    };
-    (@contact) => {
-        type Contact = S::Contact;
-        type Retreat = S::Retreat;
-
-        #[inline(always)]
-        fn contact(&self) -> Option<&$crate::contact::ContactCoefficients<N>> {
-            self.scene.contact()
-        }
-    };
-    (@interlocks) => {
-        type Interlocks = S::Interlocks;
-
-        #[inline(always)]
-        fn interlocks(&self) -> S::Interlocks {
-            self.scene.interlocks()
-        }
-    };
-}
-use inner;
+//! A [`Machine`] is [`Compiled`], which cannot change: an image with it holds coefficients and no code to build any. Or it is
+//! [`Adjustable`] and takes overrides of geometry, loads and limits while it is idle. Its types choose the kinds of moves and the
+//! planner of paths.
+//!
+//! A [`Scene`] is a machine with [features](Feature); [`scene!`](crate::scene!) declares one. [`SceneParts`] are its values.
 
 mod adjustable;
 mod compiled;
-mod contact;
-mod digital;
-mod homed;
-mod interlocked;
-mod levels;
-mod measured;
-mod slot;
-mod updated;
+mod declare;
+mod parts;
+mod update;
 mod values;
 
 pub use adjustable::Adjustable;
 pub use compiled::{Compiled, Parts};
-pub use contact::WithContact;
-pub use digital::WithDigital;
-pub use homed::WithHoming;
-pub use interlocked::WithInterlocks;
-pub use levels::WithLevels;
-pub use measured::WithFeedback;
-pub use slot::{NoSlot, Put, Slot, Take};
-pub use updated::{ImageSlot, WithUpdate, check_image};
+pub use parts::SceneParts;
+pub use update::{ImageSlot, NoImage, check_image};
 pub use values::{SceneValues, StepperValues, needs_of_model};
 
 use crate::coefficients::Coefficients;
-use crate::contact::{ContactChannels, ContactCoefficients};
-use crate::digital::{DigitalKind, DigitalParameters};
-use crate::feedback::{Feedback, FeedbackCoefficients};
-use crate::homing::{Homing, Plan};
-use crate::interlock::InterlockKind;
-use crate::levels::LevelKind;
+use crate::feature::{Feature, Memory, Of};
 use crate::number::ServiceNumber;
 use crate::offered::PlayedCurves;
 use crate::planner::PathPlanner;
-use crate::retreat::RetreatKind;
+use crate::queue::{Receiver, Sender};
 use crate::settings::Settings;
 use core::borrow::Borrow;
+use heapless::spsc::Queue;
 use nalgebra::Vector2;
 use postcard_schema::Schema;
 use serde::Serialize;
@@ -176,11 +39,14 @@ use trirrr_core::setpoint::Pose;
 use trirrr_core::tick::Tick;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::{Section, SectionName};
-use trirrr_protocol::message::{Content, MoveBatch, Refusal, UpdateStatus, UpdateStep};
+use trirrr_protocol::message::{
+    AnyMove, Command, Goal, LevelPiece, ListedMove, MoveBatch, PathPiece, QuinticMove, Refusal,
+    Request,
+};
 
 /// Coefficients of the tick, built from a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Setup<M: Model> {
+pub(crate) struct Setup<M: Model> {
     /// Pipeline.
     pub(crate) tick: Tick<M>,
     /// Limits of the results.
@@ -208,55 +74,40 @@ pub struct Changed {
     pub tool_way: Vector2<f64>,
 }
 
-/// Scene of a service. The background keeps it.
-pub trait Scene {
+/// Mailbox for a setup on its way to the tick.
+pub(crate) struct SetupSlot<M: Model>(Queue<Setup<M>, 2>);
+
+impl<M: Model> Memory for SetupSlot<M> {
+    const EMPTY: Self = Self(Queue::new());
+}
+
+impl<M: Model> SetupSlot<M> {
+    /// Returns both ends.
+    pub(crate) fn split(&mut self) -> (Sender<'_, Setup<M>>, Receiver<'_, Setup<M>>) {
+        let (put, take) = self.0.split();
+        (Sender::new(put), Receiver::new(take))
+    }
+}
+
+/// Machine of a scene, with its limits. The background keeps it.
+pub trait Machine {
     /// Number type.
     type N: ServiceNumber;
 
     /// Model of the machine.
     type Model: Model<N = Self::N>;
 
-    /// Mailbox for a setup on its way to the tick.
-    type Slot: Slot<Setup<Self::Model>>;
-
-    /// Content of a part of the scene in a request. A scene that can be changed reads all of it.
-    type Replacement: Content<Section>;
-
-    /// Type as which a batch of moves in a request is read.
-    type Batch: Content<MoveBatch<Self::N>>;
-
-    /// Type as which a step of an update in a request is read.
-    type Update: Content<UpdateStep>;
-
     /// Kinds of moves that the machine plays.
     type Curves: PlayedCurves;
-
-    /// Power lists; `()` without any.
-    type Levels: LevelKind<Self::N>;
 
     /// Planner of paths; `()` without any.
     type Planner: PathPlanner<Self::N>;
 
+    /// Changes at run time.
+    type Changes: Feature;
+
     /// Part of the scene in a reply.
     type Part: Serialize + Schema;
-
-    /// Homing of the machine; [`NoHoming`](crate::NoHoming) without any.
-    type Homing: Homing<Self::N>;
-
-    /// Feedback of the drives; `()` for drives that tell nothing.
-    type Feedback: Feedback<Self::N>;
-
-    /// Detection of contacts; `()` without any.
-    type Contact: ContactChannels<Self::N>;
-
-    /// Retreat after a contact; [`NoRetreat`](crate::NoRetreat) without any.
-    type Retreat: RetreatKind;
-
-    /// Emergency stop, door, limit switches and probe; `()` without any.
-    type Interlocks: InterlockKind<Self::N>;
-
-    /// Spare inputs and outputs; `()` without any.
-    type Digital: DigitalKind;
 
     /// Coefficients as the background keeps them: a reference to constants, or the coefficients themselves.
     type Coefficients: Borrow<Coefficients<Self::Model>>;
@@ -269,42 +120,6 @@ pub trait Scene {
 
     /// Returns the part `name` in SI units; the machine is in `units`. `None` if there is no such leg.
     fn part(&self, name: SectionName, units: &Units) -> Option<Self::Part>;
-
-    /// Takes a step of an update of the program.
-    ///
-    /// # Errors
-    /// Reason why the step is not taken.
-    #[inline(always)]
-    fn update(&mut self, _: &UpdateStep) -> Result<(), Refusal<Self::N>> {
-        Err(Refusal::NoUpdate)
-    }
-
-    /// Returns the update as it stands; `None` of a program that cannot be replaced over the line.
-    #[inline(always)]
-    fn update_status(&self) -> Option<UpdateStatus> {
-        None
-    }
-
-    /// Returns the levels of power for which there is room; 0 of a machine that plays no power lists.
-    fn levels(&self) -> u16;
-
-    /// Returns the homing, not begun.
-    fn homing(&self) -> Self::Homing;
-
-    /// Returns the plan of the homing; `None` if the machine needs no homing.
-    fn plan(&self) -> Option<Plan<Self::N>>;
-
-    /// Returns the interlocks, all clear.
-    fn interlocks(&self) -> Self::Interlocks;
-
-    /// Returns the spare inputs and outputs.
-    fn digital(&self) -> DigitalParameters;
-
-    /// Returns the coefficients of the feedback; `None` if the drives tell nothing.
-    fn feedback(&self) -> Option<&FeedbackCoefficients<Self::N>>;
-
-    /// Returns the coefficients of contact detection; `None` without any.
-    fn contact(&self) -> Option<&ContactCoefficients<Self::N>>;
 
     /// Returns the scene in `units` of the machine, with `section` in place of its own.
     ///
@@ -319,6 +134,98 @@ pub trait Scene {
         built: Coefficients<Self::Model>,
         kept: &mut Self::Coefficients,
     );
+}
+
+/// Kind of scene: types of a machine and of its features. [`scene!`](crate::scene!) declares one.
+pub trait Scene {
+    /// Number type.
+    type N: ServiceNumber;
+
+    /// Machine.
+    type Machine: Machine<N = Self::N>;
+
+    /// Moves in batches.
+    type Batches: Feature;
+
+    /// Place where the machine puts a new image of its program; `()` without any.
+    type Update: ImageSlot;
+
+    /// Power lists.
+    type Levels: Feature;
+
+    /// Homing.
+    type Homing: Feature;
+
+    /// Feedback of the drives.
+    type Feedback: Feature;
+
+    /// Detection of contacts, of a machine with feedback and a model with torques.
+    type Contact: Feature;
+
+    /// Retreat after a contact.
+    type Retreat: Feature;
+
+    /// Emergency stop, door and limit switches: those of its [bits](crate::input_bits).
+    type Interlocks: Feature;
+
+    /// Probe, of a machine with interlocks.
+    type Probe: Feature;
+
+    /// Spare inputs and outputs.
+    type Digital: Feature;
+}
+
+/// Model of the scene `S`.
+pub type ModelOf<S> = <<S as Scene>::Machine as Machine>::Model;
+
+/// Kinds of moves of the scene `S`.
+pub type CurvesOf<S> = <<S as Scene>::Machine as Machine>::Curves;
+
+/// Part of the scene `S` in a reply.
+pub type PartOf<S> = <<S as Scene>::Machine as Machine>::Part;
+
+/// Planner of the scene `S`.
+pub(crate) type PlannerOf<S> = <<S as Scene>::Machine as Machine>::Planner;
+
+/// Coefficients of the scene `S`.
+pub(crate) type CoefficientsOf<S> = <<S as Scene>::Machine as Machine>::Coefficients;
+
+/// Changes of the scene `S` at run time.
+pub(crate) type ChangesOf<S> = <<S as Scene>::Machine as Machine>::Changes;
+
+/// Quintics of the scene `S`.
+pub(crate) type QuinticsOf<S> = <CurvesOf<S> as PlayedCurves>::QuinticMoves;
+
+/// Encoder offsets of a scene that can be changed.
+pub(crate) type OffsetsOf<S> =
+    Of<ChangesOf<S>, Option<[<<S as Scene>::N as Arithmetic>::Angle; 3]>>;
+
+/// Content of a request that a scene with the feature `F` reads.
+type Read<F, T> = <F as Feature>::Read<T>;
+
+/// Types as which a service of the scene `S` reads what not every machine plays.
+type ContentsOf<S> = (
+    Read<QuinticsOf<S>, QuinticMove<<S as Scene>::N>>,
+    Read<QuinticsOf<S>, Goal<<S as Scene>::N>>,
+    Read<QuinticsOf<S>, PathPiece<<S as Scene>::N>>,
+    Read<<S as Scene>::Batches, MoveBatch<<S as Scene>::N>>,
+    Read<<S as Scene>::Levels, LevelPiece>,
+    Read<<S as Scene>::Levels, ListedMove<<S as Scene>::N>>,
+    <<S as Scene>::Update as ImageSlot>::Step,
+);
+
+/// Command as a service of the scene `S` reads it.
+pub type CommandOf<S> = Command<<S as Scene>::N, Read<ChangesOf<S>, Section>, ContentsOf<S>>;
+
+/// Request as a service of the scene `S` reads it.
+pub type RequestOf<S> = Request<<S as Scene>::N, Read<ChangesOf<S>, Section>, ContentsOf<S>>;
+
+/// Offer of a move to a service of the scene `S`.
+pub fn command_of<S: Scene>(offered: &AnyMove<S::N>) -> CommandOf<S> {
+    match offered {
+        AnyMove::Cubic(cubic) => Command::Move(*cubic),
+        AnyMove::Quintic(quintic) => Command::Quintic(QuinticsOf::<S>::read(quintic)),
+    }
 }
 
 /// Returns the refusal for a scene that cannot be built.

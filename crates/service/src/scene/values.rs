@@ -1,6 +1,6 @@
 //! Values of a scene that an image takes over the line: all of a scene that is not a type of the image.
 
-use super::{Adjustable, Scene};
+use super::{Adjustable, Machine};
 use crate::contact::ContactParameters;
 use crate::feedback::{FeedbackCoefficients, FeedbackParameters};
 use crate::homing::{HomingMotor, HomingParameters};

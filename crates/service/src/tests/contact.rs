@@ -4,7 +4,11 @@ use super::*;
 use trirrr_core::machine::Geometry;
 use trirrr_protocol::message::{DriveReading, DriveState, Fault, FaultCode};
 
-type Felt<N> = WithContact<'static, WithFeedback<'static, Thesis<N>>, Retreats>;
+crate::scene! {
+    /// The thesis machine, which feels what pushes it, and retreats.
+    pub(super) Felt [N: ServiceNumber] [N]: Thesis<N>,
+    batches = On, update = NoImage, feedback = On, contact = On, retreat = On
+}
 
 const FORCE_N: f64 = 1.0;
 const MOMENT_NM: f64 = 0.05;
@@ -50,13 +54,10 @@ impl<N: ServiceNumber> Rig<N> {
         };
         let feedback = FeedbackCoefficients::build(&watch, &example(), &geometry, home()).unwrap();
         let coefficients = ContactCoefficients::build(contact, PERIOD_S).unwrap();
-        let scene = WithContact {
-            scene: WithFeedback {
-                scene: Adjustable::new(example(), LimitParameters::default()),
-                feedback: Some(Box::leak(Box::new(feedback))),
-            },
+        let scene = SceneParts {
+            feedback: Some(Box::leak(Box::new(feedback))),
             contact: Some(Box::leak(Box::new(coefficients))),
-            retreat: Retreats,
+            ..Adjustable::new(example(), LimitParameters::default()).into()
         };
         let bench = Bench::off(scene, home(), settings());
         let last = *bench.service.output();

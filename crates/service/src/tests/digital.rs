@@ -17,17 +17,28 @@ const DEBOUNCE: u16 = 3;
 const STAYS: u8 = 0b001;
 const OF_JOBS: u8 = 0b010;
 
-type DigitalScene = WithDigital<Thesis<f64>>;
+crate::scene! {
+    /// The thesis machine with spare inputs and outputs.
+    DigitalScene: Thesis<f64>, batches = On, update = NoImage, digital = On
+}
 
-fn scene() -> DigitalScene {
-    WithDigital {
-        scene: Adjustable::new(example(), LimitParameters::default()),
-        parameters: DigitalParameters {
-            outputs: 3,
-            in_jobs: OF_JOBS,
-            inputs: 2,
-            debounce_ticks: [DEBOUNCE; 8],
-        },
+crate::scene! {
+    /// The same, which plans paths.
+    PlanningScene: Adjustable<Dynamic<f64>, Quintics, HastyPlanner>,
+    batches = On, update = NoImage, digital = On
+}
+
+const PINS: DigitalParameters = DigitalParameters {
+    outputs: 3,
+    in_jobs: OF_JOBS,
+    inputs: 2,
+    debounce_ticks: [DEBOUNCE; 8],
+};
+
+fn scene() -> SceneParts<'static, DigitalScene> {
+    SceneParts {
+        digital: PINS,
+        ..Adjustable::new(example(), LimitParameters::default()).into()
     }
 }
 
@@ -263,9 +274,9 @@ fn outputs_are_off_while_the_drives_are() {
 #[test]
 fn an_emergency_stop_and_a_door_take_outputs_as_they_take_the_tool() {
     use super::interlocks::Guarded;
-    let guarded = WithDigital {
-        scene: super::interlocks::scene(StopCategory::StopThenOff),
-        parameters: scene().parameters,
+    let guarded = SceneParts {
+        digital: PINS,
+        ..super::interlocks::scene(StopCategory::StopThenOff)
     };
     let mut machine = Guarded {
         bench: Bench::set(guarded, home(), settings()),
@@ -419,11 +430,11 @@ fn a_change_stays_with_the_move_that_the_planner_makes_anew() {
         rate_rad_s: Some([5.0; 3]),
         ..LimitParameters::default()
     };
-    let scene = WithDigital {
-        scene: Adjustable::<Dynamic<f64>, Quintics, HastyPlanner>::new(example(), limits),
-        parameters: scene().parameters,
+    let scene = SceneParts {
+        digital: PINS,
+        ..Adjustable::new(example(), limits).into()
     };
-    let mut bench = Bench::set(scene, home(), settings());
+    let mut bench = Bench::<PlanningScene>::set(scene, home(), settings());
     let piece = |feed| {
         Command::Path(PathPiece {
             number: 0,

@@ -7,7 +7,10 @@ use trirrr_core::machine::Geometry;
 use trirrr_core::number::Number;
 use trirrr_protocol::message::{DriveFault, DriveReading, DriveState, FaultCode, NotEnabled};
 
-type Measured<N> = WithFeedback<'static, Thesis<N>>;
+crate::scene! {
+    /// The thesis machine, whose drives tell where they are.
+    Measured [N: ServiceNumber] [N]: Thesis<N>, batches = On, update = NoImage, feedback = On
+}
 
 const PARAMETERS: FeedbackParameters = FeedbackParameters {
     timeout_ticks: 20,
@@ -132,9 +135,9 @@ pub(super) fn angles_at(pose: [f64; 3]) -> Option<[f64; 3]> {
 impl<N: ServiceNumber> Rig<N> {
     /// Switched on, its joints at `angles`.
     fn new(angles: [f64; 3], limits: LimitParameters) -> Self {
-        let scene = WithFeedback {
-            scene: Adjustable::new(example(), limits),
+        let scene = SceneParts {
             feedback: Some(coefficients()),
+            ..Adjustable::new(example(), limits).into()
         };
         let mut rig = Self {
             bench: Bench::off(scene, home(), settings()),
@@ -482,16 +485,14 @@ fn a_restart_is_told_before_it_is_acknowledged() {
 fn a_machine_with_homing_is_unhomed_behind_a_restart() {
     let parameters = super::homing::parameters(Contact::Switch);
     let homing = HomingCoefficients::build(&parameters, PERIOD_S);
-    let scene = WithFeedback {
-        scene: WithHoming {
-            scene: Adjustable::new(example(), LimitParameters::default()),
-            homing: Some(&*Box::leak(Box::new(homing))),
-        },
+    let scene = SceneParts {
+        homing: Some(&*Box::leak(Box::new(homing))),
         feedback: Some(coefficients()),
+        ..Adjustable::new(example(), LimitParameters::default()).into()
     };
-    let mut bench = Bench::<super::homing::Homed<f64>>::off(scene, home(), settings());
+    let mut bench = Bench::<Homed<f64>>::off(scene, home(), settings());
     let mut drives = super::homing::home_angles().map(Drive::at);
-    let mut ticks = |bench: &mut Bench<super::homing::Homed<f64>>, restarts: [u8; 3]| {
+    let mut ticks = |bench: &mut Bench<Homed<f64>>, restarts: [u8; 3]| {
         for (drive, restarts) in drives.iter_mut().zip(restarts) {
             drive.restarts = restarts;
         }

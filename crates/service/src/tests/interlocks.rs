@@ -3,15 +3,16 @@
 use super::homing::home_angles;
 use super::*;
 use crate::settings::StopCategory;
-use core::marker::PhantomData;
 use trirrr_protocol::message::{
     Acting, DriveFault, FaultCode, InputState, InputStates, Interruption, Recovery,
 };
 
-/// All inputs, as hosts have them.
-type AllInputs<N> = Interlocks<N, { input_bits::ALL }, ProbeLatch<N>>;
-
-pub(super) type GuardedScene = WithInterlocks<Thesis<f64>, { input_bits::ALL }, ProbeLatch<f64>>;
+crate::scene! {
+    /// The thesis machine with all inputs, homing, feedback and spare outputs, as hosts have them.
+    pub(super) GuardedScene: Thesis<f64>,
+    batches = On, update = NoImage, homing = On, feedback = On,
+    interlocks = On<{ input_bits::ALL }>, probe = On, digital = On
+}
 
 pub(super) const STOP_TICKS: u16 = 2;
 pub(super) const DOOR_TICKS: u16 = 3;
@@ -19,10 +20,9 @@ pub(super) const PROBE_TICKS: u16 = 2;
 pub(super) const LIMIT_TICKS: u16 = 2;
 
 /// The thesis machine with an emergency stop of this category, and a door.
-pub(super) fn scene(category: StopCategory) -> GuardedScene {
-    WithInterlocks {
-        scene: Adjustable::new(example(), LimitParameters::default()),
-        parameters: InterlockParameters {
+pub(super) fn scene(category: StopCategory) -> SceneParts<'static, GuardedScene> {
+    SceneParts {
+        interlocks: InterlockParameters {
             emergency_stop: Some(EmergencyStop {
                 debounce_ticks: STOP_TICKS,
                 category,
@@ -32,14 +32,14 @@ pub(super) fn scene(category: StopCategory) -> GuardedScene {
             }),
             ..InterlockParameters::default()
         },
-        probe: PhantomData,
+        ..Adjustable::new(example(), LimitParameters::default()).into()
     }
 }
 
 /// The thesis machine with a probe and limit switches.
-pub(super) fn touching() -> GuardedScene {
-    WithInterlocks {
-        parameters: InterlockParameters {
+pub(super) fn touching() -> SceneParts<'static, GuardedScene> {
+    SceneParts {
+        interlocks: InterlockParameters {
             probe: Some(ProbeInput {
                 debounce_ticks: PROBE_TICKS,
             }),
@@ -53,12 +53,12 @@ pub(super) fn touching() -> GuardedScene {
 }
 
 /// A service, and what its contacts tell.
-pub(super) struct Guarded<S: Scene<N = f64, Interlocks = AllInputs<f64>> + 'static> {
-    pub(super) bench: Bench<S>,
+pub(super) struct Guarded {
+    pub(super) bench: Bench<GuardedScene>,
     pub(super) readings: InterlockReadings,
 }
 
-impl<S: Scene<N = f64, Interlocks = AllInputs<f64>> + 'static> Guarded<S> {
+impl Guarded {
     pub(super) fn tick(&mut self) -> Output<f64> {
         self.bench.service.sense(self.readings);
         self.bench.tick()
@@ -115,7 +115,7 @@ impl<S: Scene<N = f64, Interlocks = AllInputs<f64>> + 'static> Guarded<S> {
 use InputState::{Absent, Active, Clear};
 
 /// A machine in the middle of a move with its tool on.
-fn running(category: StopCategory) -> Guarded<GuardedScene> {
+fn running(category: StopCategory) -> Guarded {
     let mut guarded = Guarded {
         bench: Bench::set(scene(category), home(), settings()),
         readings: InterlockReadings::default(),
@@ -291,7 +291,7 @@ fn a_contact_that_chatters_stops_the_machine_within_its_bound() {
     for (contact, ticks, stopped) in contacts {
         for (open, closed) in [(1, 1), (2, 2), (1, 2), (2, 3), (1, 10 * ticks - 1)] {
             let mut scene = scene(StopCategory::Off);
-            scene.parameters.limits = touching().parameters.limits;
+            scene.interlocks.limits = touching().interlocks.limits;
             let mut guarded = Guarded {
                 bench: Bench::set(scene, home(), settings()),
                 readings: InterlockReadings::default(),
@@ -354,7 +354,7 @@ fn a_door_holds_the_job_with_the_tool_off_until_it_is_closed_and_resumed() {
 /// Once it was open, the tool stays off until the job runs again, and a job that does not was left where it was opened.
 #[test]
 fn a_job_is_left_where_the_door_was_opened() {
-    let opened = |guarded: &mut Guarded<GuardedScene>| {
+    let opened = |guarded: &mut Guarded| {
         guarded.open(true);
         let last = *guarded.bench.telemetry.last().unwrap();
         guarded.tick();
@@ -484,13 +484,9 @@ fn a_door_that_was_open_for_a_moment_holds_the_job() {
 fn homing_is_given_up_where_the_door_opens() {
     let parameters = super::homing::parameters(Contact::Switch);
     let coefficients = HomingCoefficients::build(&parameters, PERIOD_S);
-    let scene = WithInterlocks::<_, { input_bits::ALL }, ProbeLatch<f64>> {
-        scene: WithHoming {
-            scene: Adjustable::<Dynamic<f64>>::new(example(), LimitParameters::default()),
-            homing: Some(&*Box::leak(Box::new(coefficients))),
-        },
-        parameters: scene(StopCategory::Off).parameters,
-        probe: PhantomData,
+    let scene = SceneParts {
+        homing: Some(&*Box::leak(Box::new(coefficients))),
+        ..scene(StopCategory::Off)
     };
     let mut guarded = Guarded {
         bench: Bench::set(scene, home(), settings()),
@@ -519,12 +515,12 @@ fn a_scene_tells_the_inputs_that_it_names() {
     assert_eq!(plain.status().inputs, InputStates::ABSENT);
     let parameters = InterlockParameters {
         door: None,
-        ..scene(StopCategory::Off).parameters
+        ..scene(StopCategory::Off).interlocks
     };
     let mut guarded = Guarded {
         bench: Bench::set(
-            WithInterlocks {
-                parameters,
+            SceneParts {
+                interlocks: parameters,
                 ..scene(StopCategory::Off)
             },
             home(),

@@ -6,9 +6,14 @@ use trirrr_protocol::message::{
     AnyMove, Goal, LEVEL_PARTS, LevelPiece, LevelRange, ListedMove, QuinticMove,
 };
 
-const ROOM: usize = 256;
+const ROOM: usize = LEVELS;
 
-type Listing<N> = Bench<WithLevels<Thesis<N>, ROOM>>;
+crate::scene! {
+    /// The thesis machine, which plays power lists.
+    pub(super) ListedScene [N: ServiceNumber] [N]: Thesis<N>, batches = On, update = NoImage, levels = On
+}
+
+type Listing<N> = Bench<ListedScene<N>>;
 
 /// Direction of rows.
 const ALONG: [f64; 2] = [0.8, 0.6];
@@ -20,9 +25,11 @@ const POWER: f64 = 0.5;
 /// Length of a level, m. A tick has 0.1 mm more.
 const PITCH: f64 = 0.9e-3;
 
-fn with_room<N: ServiceNumber>(scene: Thesis<N>) -> WithLevels<Thesis<N>, ROOM> {
-    let room = ROOM as u16;
-    WithLevels { scene, room }
+fn with_room<N: ServiceNumber>(scene: Thesis<N>) -> SceneParts<'static, ListedScene<N>> {
+    SceneParts {
+        levels: ROOM as u16,
+        ..scene.into()
+    }
 }
 
 fn listing<N: ServiceNumber>() -> Listing<N> {
@@ -238,7 +245,7 @@ fn levels_that_do_not_fit_are_refused_and_change_nothing() {
 
     // The memory is there, and the scene plays no lists: on a host.
     let scene = Adjustable::new(example(), LimitParameters::default());
-    let mut host: Listing<f64> = Bench::of(WithLevels { scene, room: 0 }, home());
+    let mut host: Listing<f64> = Bench::of(scene, home());
     assert_eq!(host.greet().levels, 0);
     host.service.background.next_sequence_is(0);
     assert_eq!(host.refused(Command::Levels(piece)), Refusal::NoLevels);

@@ -1,14 +1,13 @@
 //! Limit switches of the motors.
 
 use super::homing::{home_angles, parameters};
-use super::interlocks::{Guarded, GuardedScene, LIMIT_TICKS, touching};
+use super::interlocks::{Guarded, LIMIT_TICKS, touching};
 use super::*;
 use crate::settings::StopCategory;
-use core::marker::PhantomData;
 use trirrr_protocol::message::{FaultCode, Recovery};
 
 /// A machine in the middle of a move, with this reaction to limit switches.
-fn running(category: StopCategory) -> Guarded<GuardedScene> {
+fn running(category: StopCategory) -> Guarded {
     let settings = Settings {
         reactions: Reactions {
             limit_switch: category,
@@ -86,7 +85,7 @@ fn a_recovery_off_one_switch_onto_another_is_a_fault() {
 fn no_job_starts_on_a_limit_switch() {
     let mut machine = running(StopCategory::StopAndHold);
     machine.readings.limits[2] = true;
-    let tick = |machine: &mut Guarded<GuardedScene>| {
+    let tick = |machine: &mut Guarded| {
         machine.bench.service.sense(machine.readings);
         machine.bench.service.tick().is_on()
     };
@@ -146,13 +145,9 @@ fn a_machine_that_is_switched_on_upon_a_limit_switch_is_no_fault() {
 fn homing_moves_onto_limit_switches_and_off_them() {
     let parameters = parameters(Contact::Switch);
     let coefficients = HomingCoefficients::build(&parameters, PERIOD_S);
-    let scene = WithInterlocks::<_, { input_bits::ALL }, ProbeLatch<f64>> {
-        scene: WithHoming {
-            scene: Adjustable::<Dynamic<f64>>::new(example(), LimitParameters::default()),
-            homing: Some(&*Box::leak(Box::new(coefficients))),
-        },
-        parameters: touching().parameters,
-        probe: PhantomData,
+    let scene = SceneParts {
+        homing: Some(&*Box::leak(Box::new(coefficients))),
+        ..touching()
     };
     let mut machine = Guarded {
         bench: Bench::set(scene, home(), settings()),

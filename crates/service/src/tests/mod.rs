@@ -46,15 +46,23 @@ pub(super) const PERIOD_S: f64 = 0.01;
 pub(super) const SCHEMA: u64 = 0x1234;
 pub(super) const SCENE: u32 = 77;
 
+/// Levels for which there is room in scenes with power lists.
+pub(super) const LEVELS: usize = 256;
+
 /// The thesis machine, whose parts can be changed.
 pub(super) type Thesis<N> = Adjustable<Dynamic<N>>;
+
+crate::scene! {
+    /// The thesis machine with homing, whose drives tell where they are.
+    pub(super) Homed [N: ServiceNumber] [N]: Thesis<N>, batches = On, update = NoImage, homing = On, feedback = On
+}
 
 /// A service, with what it said so far.
 pub(super) struct Bench<S: Scene + 'static> {
     pub(super) service: Service<'static, S>,
     sequence: u32,
     /// What the tick is told of switches.
-    pub(super) inputs: <S::Homing as Homing<S::N>>::Inputs,
+    pub(super) inputs: [bool; 3],
     pub(super) telemetry: Vec<Telemetry<S::N>>,
     pub(super) drives: Vec<DriveSample<S::N>>,
     pub(super) events: Vec<Event<S::N>>,
@@ -128,16 +136,24 @@ impl<N: ServiceNumber> Bench<Thesis<N>> {
 }
 
 impl<N: ServiceNumber, S: Scene<N = N> + 'static> Bench<S> {
-    pub(super) fn of(scene: S, stands: Pose<N>) -> Self {
+    pub(super) fn of(scene: impl Into<SceneParts<'static, S>>, stands: Pose<N>) -> Self {
         Self::in_units(scene, stands, Units::SI)
     }
 
-    pub(super) fn in_units(scene: S, stands: Pose<N>, units: Units) -> Self {
+    pub(super) fn in_units(
+        scene: impl Into<SceneParts<'static, S>>,
+        stands: Pose<N>,
+        units: Units,
+    ) -> Self {
         Self::set(scene, stands, settings_in(units))
     }
 
     /// Service with these settings, enabled.
-    pub(super) fn set(scene: S, stands: Pose<N>, settings: Settings<N>) -> Self {
+    pub(super) fn set(
+        scene: impl Into<SceneParts<'static, S>>,
+        stands: Pose<N>,
+        settings: Settings<N>,
+    ) -> Self {
         let enable_ticks = 1 + u32::from(settings.power.enable_ticks());
         let mut bench = Self::off(scene, stands, settings);
         let reply = bench.service.submit(&Command::Enable);
@@ -149,24 +165,28 @@ impl<N: ServiceNumber, S: Scene<N = N> + 'static> Bench<S> {
     }
 
     /// Service with these settings, as it is switched on.
-    pub(super) fn off(scene: S, stands: Pose<N>, settings: Settings<N>) -> Self {
+    pub(super) fn off(
+        scene: impl Into<SceneParts<'static, S>>,
+        stands: Pose<N>,
+        settings: Settings<N>,
+    ) -> Self {
         Self::with_room::<64>(scene, stands, settings)
     }
 
     /// The same with room for so many samples. The memory is never freed: a test with many services keeps it small.
     pub(super) fn with_room<const SAMPLES: usize>(
-        scene: S,
+        scene: impl Into<SceneParts<'static, S>>,
         stands: Pose<N>,
         settings: Settings<N>,
     ) -> Self {
-        let channels: Channels<S, 8, SAMPLES> = Channels::new();
+        let channels: Channels<S, 8, SAMPLES, LEVELS> = Channels::new();
         let service = Box::leak(Box::new(channels))
             .service(scene, stands, settings)
             .unwrap();
         let mut bench = Self {
             service,
             sequence: 0,
-            inputs: Default::default(),
+            inputs: [false; 3],
             telemetry: Vec::new(),
             drives: Vec::new(),
             events: Vec::new(),

@@ -2,14 +2,13 @@
 
 use super::interlocks::{Guarded, touching};
 use super::*;
-use core::marker::PhantomData;
 use trirrr_protocol::message::{
     Acting, DriveReading, DriveState, FaultCode, ProbeContact, ProbeRun,
 };
 
 const THERE: [f64; 3] = [0.28, 0.28, 0.2];
 
-fn probing() -> Guarded<super::interlocks::GuardedScene> {
+fn probing() -> Guarded {
     Guarded {
         bench: Bench::set(touching(), home(), settings()),
         readings: InterlockReadings::default(),
@@ -17,7 +16,7 @@ fn probing() -> Guarded<super::interlocks::GuardedScene> {
 }
 
 /// A move on its way by this command, with its tool on.
-fn under_way(command: Command<f64>, ticks: u16) -> Guarded<super::interlocks::GuardedScene> {
+fn under_way(command: Command<f64>, ticks: u16) -> Guarded {
     let mut machine = probing();
     offer(&mut machine.bench);
     machine.bench.done(command);
@@ -195,13 +194,9 @@ fn a_run_that_is_stopped_or_fails_was_without_a_contact() {
 #[test]
 fn drives_that_tell_where_they_are_give_the_measured_pose() {
     let feedback = super::feedback::coefficients();
-    let scene = WithInterlocks::<_, { input_bits::ALL }, ProbeLatch<f64>> {
-        scene: WithFeedback {
-            scene: Adjustable::<Dynamic<f64>>::new(example(), LimitParameters::default()),
-            feedback: Some(feedback),
-        },
-        parameters: touching().parameters,
-        probe: PhantomData,
+    let scene = SceneParts {
+        feedback: Some(feedback),
+        ..touching()
     };
     let mut bench = Bench::off(scene, home(), settings());
     let mut readings = InterlockReadings::default();

@@ -7,6 +7,11 @@ use trirrr_core::setpoint::Cubics;
 use trirrr_protocol::message::scene::{Limits, Section, SectionName};
 use trirrr_protocol::message::{Bounded, FaultCode, QuinticMove};
 
+crate::scene! {
+    /// The thesis machine, whose parts cannot be changed.
+    Fixed: Compiled<'static, Dynamic<f64>>
+}
+
 fn read<S: Scene<N = f64>>(bench: &mut Bench<S>, name: SectionName) -> Section {
     match bench.ask(Command::Read(name)) {
         Reply::Section(section) => section,
@@ -58,7 +63,7 @@ fn an_image_without_the_code_refuses_overrides() {
             .to_vec()
             .leak()
     };
-    let scene = Compiled::<_, _, _, false> {
+    let scene = Compiled {
         coefficients: Box::leak(Box::new(coefficients)),
         parts: Parts {
             legs: [0, 1, 2].map(|leg| part(SectionName::Leg(leg))),
@@ -67,7 +72,7 @@ fn an_image_without_the_code_refuses_overrides() {
         },
         types: core::marker::PhantomData::<(Cubics, ())>,
     };
-    let mut bench = Bench::of(scene, home());
+    let mut bench = Bench::<Fixed>::of(scene, home());
     // It plays cubics only, and does not read the rest.
     let quintic = QuinticMove {
         common: rest(0, home(), home(), 10),

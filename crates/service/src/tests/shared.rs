@@ -2,15 +2,13 @@
 //! (`cargo xtask nightly`): a part that is read before it is written, or in the wrong order, is found there.
 
 use super::*;
+use crate::feature::Memory;
 use crate::handoff::{Ahead, QueuedMove, SharedCounters};
-use crate::levels::{LevelKind, LevelRing};
+use crate::levels::LevelRing;
 use crate::offered::Offered;
 use crate::pace::{MovePaces, Room};
 use crate::queue::{Receiver, Sender};
-use crate::scene::{Put, Slot, Take};
-use crate::splice::{
-    CutOrder, Place, Present, SpliceChannels, SpliceOrder, SplicePlayer, SpliceQueues, SpliceSender,
-};
+use crate::splice::{CutOrder, Place, SpliceOrder, SplicePlayer, SpliceQueues, SpliceSender};
 use heapless::spsc::Queue;
 use std::thread;
 use trirrr_core::number::WideArithmetic;
@@ -69,13 +67,14 @@ fn a_queue_hands_over_whole_items_in_their_order() {
 
 #[test]
 fn a_mailbox_hands_over_whole_items() {
-    let mut slot = Queue::<[u32; 9], 2>::EMPTY;
-    let (mut put, mut take) = Slot::split(&mut slot);
+    let mut slot = Queue::<[u32; 9], 2>::new();
+    let (put, take) = slot.split();
+    let (mut put, mut take) = (Sender::new(put), Receiver::new(take));
     at_once(
-        || with_numbers(|number| put.put([number; 9])),
+        || with_numbers(|number| put.send([number; 9])),
         || {
             with_numbers(|number| {
-                let item = take.take();
+                let item = take.receive();
                 assert!(item.is_none_or(|item| item == [number; 9]));
                 item.is_some()
             });
@@ -143,7 +142,7 @@ fn queued(number: u32, generation: u8) -> QueuedMove<f64, Curves> {
 #[test]
 fn chains_are_played_from_their_cut_on() {
     let mut queues = SpliceQueues::<f64, Curves>::EMPTY;
-    let (Present(mut put), Present(mut play)) = queues.split();
+    let (mut put, mut play) = queues.split();
     let shared = SharedCounters::new();
     let mut done = Queue::<u32, 2>::new();
     let (told, hear) = done.split();
@@ -246,7 +245,7 @@ fn take_cut(play: &mut SplicePlayer<'_, f64, Curves>, number: u32, again: bool) 
 #[test]
 fn levels_are_read_before_they_are_overwritten() {
     let mut ring = LevelRing::<f64, 16>::EMPTY;
-    let (Present(mut store), Present(mut player)) = ring.split(PERIOD_S, 16);
+    let (mut store, mut player) = ring.split(PERIOD_S, 16);
     at_once(
         || {
             with_numbers(|number| {

@@ -424,7 +424,7 @@ fn the_state_is_told_at_each_change() {
 fn a_machine_starts_with_its_drives_off() {
     let settings = settings::<f64>();
     let scene = Adjustable::<Dynamic<f64>>::new(example(), LimitParameters::default());
-    let channels: Channels<_, 8, 64> = Channels::new();
+    let channels: Channels<Thesis<f64>, 8, 64> = Channels::new();
     let mut service = Box::leak(Box::new(channels))
         .service(scene, home(), settings)
         .unwrap();

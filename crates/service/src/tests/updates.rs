@@ -12,7 +12,14 @@ struct KeptImage {
     bytes: Vec<u8>,
 }
 
+crate::scene! {
+    /// The thesis machine, whose program a host may replace.
+    Updated: Thesis<f32>, batches = On, update = KeptImage
+}
+
 impl ImageSlot for KeptImage {
+    type Step = UpdateStep;
+
     fn step(&mut self, step: &UpdateStep) -> Result<(), UpdateRefusal> {
         self.steps += 1;
         let expected = self.bytes.len() as u32;
@@ -32,27 +39,24 @@ impl ImageSlot for KeptImage {
     }
 
     /// The steps stand for the checksum.
-    fn status(&self) -> UpdateStatus {
-        UpdateStatus {
+    fn status(&self) -> Option<UpdateStatus> {
+        Some(UpdateStatus {
             start: 0,
             room: 0,
             coming: Some(self.steps),
             received: self.bytes.len() as u32,
             outcome: UpdateOutcome::Never,
             scene: None,
-        }
+        })
     }
 }
 
-fn updated() -> Bench<WithUpdate<Thesis<f32>, KeptImage>> {
-    let scene = WithUpdate {
-        scene: Adjustable::new(example(), LimitParameters::default()),
-        slot: KeptImage::default(),
-    };
+fn updated() -> Bench<Updated> {
+    let scene = Adjustable::new(example(), LimitParameters::default());
     Bench::off(scene, home(), settings())
 }
 
-impl Bench<WithUpdate<Thesis<f32>, KeptImage>> {
+impl Bench<Updated> {
     /// Steps that the slot was given, and bytes that it has.
     fn given(&mut self) -> (u32, u32) {
         match self.ask(Command::UpdateStatus) {

@@ -81,8 +81,8 @@ fn a_service_is_built_from_values() {
     };
     assert_eq!(check(&values), Ok(()));
     let scene = Adjustable::<Dynamic<f32>>::new(values.parameters(), values.limits());
-    let own = settings();
-    let mut bench = Bench::off(scene, values.start(), values.settings(&own));
+    let own = settings::<f32>();
+    let mut bench = Bench::<Thesis<f32>>::off(scene, values.start(), values.settings(&own));
     let identity = bench.greet();
     bench.service.background.next_sequence_is(0);
     assert_eq!((identity.scene, identity.name), (SCENE, name("values")));

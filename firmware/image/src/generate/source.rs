@@ -68,10 +68,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
         false => "()".into(),
     };
     file.line(&format!("pub type Planner = {planner};"));
-    file.constant("BATCHES", "bool", scene.takes_batches().to_string());
-    if scene.service.power_lists > 0 {
-        file.constant("LEVELS", "u16", scene.service.power_lists.to_string());
-    }
+    features(&mut file, scene, scalar);
     file.constant("NAME", "&str", format!("{:?}", scene.name));
     file.constant("TICK_RATE_HZ", "f64", format!("{:?}", scene.tick_rate_hz));
     file.constant("PERIOD_S", "f64", format!("{:?}", scene.period_s()));
@@ -110,51 +107,26 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
         let coefficients = HomingCoefficients::<N>::build(&parameters, period);
         let homing_type = format!("{service}::HomingCoefficients<Scalar>");
         file.global("HOMING", &homing_type, constant(&coefficients));
-        let active_high = homing.active_high.to_string();
-        file.constant("HOMING_ACTIVE_HIGH", "bool", active_high);
     }
+    let active_high = scene
+        .homing
+        .as_ref()
+        .is_some_and(|homing| homing.active_high);
+    file.constant("HOMING_ACTIVE_HIGH", "bool", active_high.to_string());
 
-    if scene.inputs.are_named() {
-        let interlocks = scene.inputs.interlocks;
-        let parameters = format!("{service}::InterlockParameters");
-        file.constant("INTERLOCKS", &parameters, constant(&interlocks));
-        let bits = [
-            ("STOP", interlocks.emergency_stop.is_some()),
-            ("DOOR", interlocks.door.is_some()),
-            ("LIMITS", interlocks.limits.is_some()),
-        ];
-        let named = bits.iter().filter(|(_, is_named)| *is_named);
-        let named: Vec<String> = named
-            .map(|(name, _)| format!("{service}::input_bits::{name}"))
-            .collect();
-        let inputs = match named.is_empty() {
-            true => "0".into(),
-            false => named.join(" | "),
-        };
-        file.constant("INPUTS", "u8", inputs);
-        let probe = match interlocks.probe {
-            Some(_) => format!("{service}::ProbeLatch<Scalar>"),
-            None => "()".into(),
-        };
-        file.line(&format!("pub type Probe = {probe};"));
-        // A contact to ground of an input that is pulled up: high while it is open.
-        for (name, normally) in [
-            ("DOOR_OPEN_HIGH", scene.inputs.door_normally),
-            ("PROBE_TOUCHES_HIGH", scene.inputs.probe_normally),
-            ("LIMITS_HIGH", scene.inputs.limits_normally),
-        ] {
-            let is_high = normally == NormalContact::Closed;
-            file.constant(name, "bool", is_high.to_string());
-        }
+    // A contact to ground of an input that is pulled up: high while it is open.
+    for (name, normally) in [
+        ("DOOR_OPEN_HIGH", scene.inputs.door_normally),
+        ("PROBE_TOUCHES_HIGH", scene.inputs.probe_normally),
+        ("LIMITS_HIGH", scene.inputs.limits_normally),
+    ] {
+        let is_high = normally == NormalContact::Closed;
+        file.constant(name, "bool", is_high.to_string());
     }
-
-    if scene.spare_pins.are_named() {
-        let parameters = scene.spare_pins.parameters();
-        let digital = format!("{service}::DigitalParameters");
-        file.constant("DIGITAL", &digital, constant(&parameters));
-        let active_high = scene.spare_pins.active_high();
-        file.constant("INPUTS_ACTIVE_HIGH", "u8", active_high.to_string());
-    }
+    let active_high = scene.spare_pins.active_high();
+    file.constant("INPUTS_ACTIVE_HIGH", "u8", active_high.to_string());
+    let named = (1_u16 << scene.spare_pins.parameters().inputs) - 1;
+    file.constant("INPUTS_NAMED", "u8", named.to_string());
 
     if let Some(feedback) = &scene.feedback {
         let geometry = Geometry::<N>::build(parameters)?;
@@ -176,6 +148,8 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
         }
     }
 
+    file.line(&parts_source(scene, scalar));
+
     // What measurements are made from: the description, and the job, in the machine's units.
     file.constant("UNITS", "trirrr_core::units::Units", constant(&units));
     file.constant("PERIOD", "f64", format!("{period:?}"));
@@ -190,6 +164,71 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     let moves_type = format!("[trirrr_image::Move; {}]", job.moves.len());
     file.global("MOVES", &moves_type, moves);
     Ok(file.0)
+}
+
+/// The features that the scene has, each as a type: [`On`](trirrr_service::On), or `()`.
+fn features(file: &mut File, scene: &Scene, scalar: &str) {
+    let interlocks = &scene.inputs.interlocks;
+    let bits = [
+        ("STOP", interlocks.emergency_stop.is_some()),
+        ("DOOR", interlocks.door.is_some()),
+        ("LIMITS", interlocks.limits.is_some()),
+    ];
+    let named = bits.iter().filter(|(_, is_named)| *is_named);
+    let named: Vec<String> = named
+        .map(|(name, _)| format!("trirrr_service::input_bits::{name}"))
+        .collect();
+    let inputs = match named.is_empty() {
+        true => "0".into(),
+        false => named.join(" | "),
+    };
+    let feels = scene.contact.filter(|_| scalar != FIXED);
+    for (name, has, bits) in [
+        ("Batches", scene.takes_batches(), None),
+        ("Levels", scene.service.power_lists > 0, None),
+        ("Homing", scene.homing.is_some(), None),
+        ("Feedback", scene.feedback.is_some(), None),
+        ("Contact", feels.is_some(), None),
+        ("Retreat", feels.is_some_and(|it| it.retreat_s > 0.0), None),
+        ("Interlocks", scene.inputs.are_named(), Some(inputs)),
+        ("Probe", interlocks.probe.is_some(), None),
+        ("Digital", scene.spare_pins.are_named(), None),
+        // Pins of the interlocks.
+        ("StopPin", interlocks.emergency_stop.is_some(), None),
+        ("DoorPin", interlocks.door.is_some(), None),
+        ("LimitPins", scene.inputs.has_limit_pins(), None),
+        ("LimitsAtHoming", scene.inputs.limits_share_homing, None),
+    ] {
+        let feature = match (has, bits) {
+            (false, _) => "()".into(),
+            (true, None) => "trirrr_service::On".into(),
+            (true, Some(bits)) => format!("trirrr_service::On<{{ {bits} }}>"),
+        };
+        file.line(&format!("#[allow(dead_code)]\npub type {name} = {feature};"));
+    }
+    let levels = scene.service.power_lists.to_string();
+    file.constant("LEVELS", "usize", levels);
+}
+
+/// The function that makes the values of the features, around a machine.
+fn parts_source(scene: &Scene, scalar: &str) -> String {
+    let value = |has: bool, name: &str| match has {
+        true => format!("Some(&{name})"),
+        false => "None".into(),
+    };
+    let feels = scene.contact.is_some() && scalar != FIXED;
+    format!(
+        "#[allow(dead_code)]\npub fn parts<S: trirrr_service::Scene<N = Scalar>>(machine: S::Machine, update: S::Update) -> \
+         trirrr_service::SceneParts<'static, S> {{\n\
+         trirrr_service::SceneParts {{ machine, update, levels: {}, homing: {}, feedback: {}, contact: {}, \
+         interlocks: {}, digital: {} }}\n}}",
+        scene.service.power_lists,
+        value(scene.homing.is_some(), "HOMING"),
+        value(scene.feedback.is_some(), "FEEDBACK"),
+        value(feels, "CONTACT"),
+        constant(&scene.inputs.interlocks),
+        constant(&scene.spare_pins.parameters()),
+    )
 }
 
 /// The parts of the scene, as the bytes that they are sent as.
@@ -341,8 +380,10 @@ mod tests {
 
     #[test]
     fn a_scene_with_power_lists_has_their_room_and_no_other_has() {
-        assert!(shipped("paths/raster.toml").contains("pub const LEVELS: u16 = 4096;\n"));
-        assert!(!shipped("engraving.toml").contains("LEVELS"));
+        let text = shipped("paths/raster.toml");
+        assert!(text.contains("pub const LEVELS: usize = 4096;\n"));
+        assert!(text.contains("pub type Levels = trirrr_service::On;\n"));
+        assert!(shipped("engraving.toml").contains("pub type Levels = ();\n"));
     }
 
     #[test]
@@ -351,7 +392,7 @@ mod tests {
         for line in [
             "emergency_stop: Some(trirrr_service::EmergencyStop { debounce_ticks: 3, category: trirrr_service::StopCategory::StopThenOff, })",
             "door: Some(trirrr_service::Door { debounce_ticks: 10, })",
-            "pub const INPUTS: u8 = trirrr_service::input_bits::STOP | trirrr_service::input_bits::DOOR;",
+            "pub type Interlocks = trirrr_service::On<{ trirrr_service::input_bits::STOP | trirrr_service::input_bits::DOOR }>;",
             "pub type Probe = ();",
             "pub const DOOR_OPEN_HIGH: bool = true;",
         ] {
@@ -361,15 +402,15 @@ mod tests {
         for line in [
             "probe: Some(trirrr_service::ProbeInput { debounce_ticks: 2, })",
             "limits: Some(trirrr_service::LimitInputs { debounce_ticks: 2, })",
-            "trirrr_service::input_bits::STOP | trirrr_service::input_bits::DOOR | trirrr_service::input_bits::LIMITS;",
-            "pub type Probe = trirrr_service::ProbeLatch<Scalar>;",
+            "trirrr_service::input_bits::STOP | trirrr_service::input_bits::DOOR | trirrr_service::input_bits::LIMITS }>;",
+            "pub type Probe = trirrr_service::On;",
             "pub const PROBE_TOUCHES_HIGH: bool = false;",
             "pub const LIMITS_HIGH: bool = true;",
             "limit_switch: trirrr_service::StopCategory::StopAndHold",
         ] {
             assert!(text.contains(line), "{line}");
         }
-        assert!(!shipped("engraving.toml").contains("INTERLOCKS"));
+        assert!(shipped("engraving.toml").contains("pub type Interlocks = ();\n"));
     }
 
     #[test]
@@ -378,10 +419,11 @@ mod tests {
         for line in [
             "trirrr_service::DigitalParameters { outputs: 2, in_jobs: 1, inputs: 1, debounce_ticks: [10, 1, 1, 1, 1, 1, 1, 1], }",
             "pub const INPUTS_ACTIVE_HIGH: u8 = 0;",
+            "pub type Digital = trirrr_service::On;",
         ] {
             assert!(text.contains(line), "{line}\n{text}");
         }
-        assert!(!shipped("inputs/probing.toml").contains("DIGITAL"));
+        assert!(shipped("inputs/probing.toml").contains("pub type Digital = ();\n"));
     }
 
     #[test]

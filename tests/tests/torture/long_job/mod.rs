@@ -6,14 +6,13 @@ mod witness;
 
 use engraving::Engraving;
 use host::{Host, JOURNAL_EVERY, Turn};
-use trirrr_bench::device::{Device, DeviceScene, RAMP_TICKS, message_frame};
+use trirrr_bench::device::{Device, DeviceRoom, RAMP_TICKS, message_frame};
 use trirrr_bench::faulty_link::Random;
 use trirrr_bench::slow_link::SlowLink;
 use trirrr_client::{JobPlace, JobRest};
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Acting, Message, State, Telemetry};
-use trirrr_service::Channels;
 use witness::{Witness, period};
 
 /// Places of the queue: fewer than on a board, so that it runs dry before the machine misses its host, or after.
@@ -206,7 +205,7 @@ impl Session {
 
     /// The machine is switched on where it stands.
     fn life(&mut self, stands: Pose<f32>) -> End {
-        let mut channels = Box::new(Channels::<DeviceScene<f32>, MOVES, 64>::new());
+        let mut channels = Box::new(DeviceRoom::<f32, MOVES>::new());
         let limits = LimitParameters::default();
         let mut device = Device::standing(&mut channels, limits, SILENCE, stands);
         let mut pose = stands;

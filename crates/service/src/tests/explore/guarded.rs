@@ -2,7 +2,7 @@
 
 use super::super::interlocks::{GuardedScene, scene};
 use super::*;
-use crate::interlock::InterlockKind;
+use crate::feature::Optional;
 use crate::settings::StopCategory;
 
 /// Most acts on the way to a state in the short search.
@@ -73,15 +73,16 @@ impl<const ON_PATH: bool> Explored for GuardedMachine<ON_PATH> {
         self.bench.service.sense(self.readings);
         let output = self.bench.tick();
         let foreground = &self.bench.service.foreground;
-        let (interlocks, state) = (&foreground.interlocks, foreground.state());
-        if interlocks.is_pressed() {
+        let (features, state) = (&foreground.features, foreground.state());
+        if features.is_pressed() {
             assert!(state.has_fault(), "{state:?} while the stop is pressed");
             assert_eq!(output.tool, 0.0);
-            if state == State::Fault || !ON_PATH && interlocks.is_latched() {
+            if state == State::Fault || !ON_PATH && features.interlocks.get().unwrap().is_latched()
+            {
                 assert!(!output.is_on(), "{state:?} while the stop is pressed");
             }
         }
-        if interlocks.is_open() {
+        if features.is_open() {
             let moves = matches!(state, State::Running | State::Recovering | State::Homing);
             assert!(!moves, "{state:?} behind an open door");
             assert_eq!(output.tool, 0.0);
@@ -104,8 +105,9 @@ impl<const ON_PATH: bool> Explored for GuardedMachine<ON_PATH> {
 
     /// Not the ticks that a change has lasted: the outputs do not show them.
     fn world(&self) -> String {
-        let interlocks = &self.bench.service.foreground.interlocks;
-        let (states, latched) = (interlocks.states(), interlocks.is_latched());
+        let features = &self.bench.service.foreground.features;
+        let states = features.input_states();
+        let latched = features.interlocks.get().unwrap().is_latched();
         format!("{:?} {states:?} {latched}", self.readings)
     }
 

@@ -1,7 +1,7 @@
 //! A machine that has to be homed, with switches that fail.
 
 use super::super::feedback::angles_at;
-use super::super::homing::{Homed, home_angles, parameters, timed, wrapped};
+use super::super::homing::{home_angles, parameters, timed, wrapped};
 use super::*;
 
 /// Most acts on the way to a state in the short search.
@@ -83,12 +83,9 @@ impl Explored for HomedMachine {
     fn switched_on() -> Self {
         let parameters = quick();
         let coefficients = HomingCoefficients::build(&parameters, PERIOD_S);
-        let scene = WithFeedback {
-            scene: WithHoming {
-                scene: Adjustable::new(example(), LimitParameters::default()),
-                homing: Some(&*Box::leak(Box::new(coefficients))),
-            },
-            feedback: None,
+        let scene = SceneParts {
+            homing: Some(&*Box::leak(Box::new(coefficients))),
+            ..Adjustable::new(example(), LimitParameters::default()).into()
         };
         let mut machine = Self {
             bench: Bench::with_room::<4>(scene, home(), timed_settings()),

@@ -5,7 +5,7 @@ use super::*;
 /// Most acts on the way to a state.
 const DEPTH: usize = 5;
 
-type ListedScene = WithLevels<Thesis<f64>, 128>;
+type ListedScene = super::super::levels::ListedScene<f64>;
 
 struct ListedMachine(Bench<ListedScene>);
 
@@ -33,11 +33,11 @@ impl Explored for ListedMachine {
 
     fn switched_on() -> Self {
         let scene = Adjustable::new(example(), LimitParameters::default());
-        Self(Bench::with_room::<4>(
-            WithLevels { scene, room: 128 },
-            home(),
-            timed_settings(),
-        ))
+        let scene = SceneParts {
+            levels: 128,
+            ..scene.into()
+        };
+        Self(Bench::with_room::<4>(scene, home(), timed_settings()))
     }
 
     fn bench(&mut self) -> &mut Bench<ListedScene> {

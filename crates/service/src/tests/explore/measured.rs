@@ -5,7 +5,7 @@ use crate::settings::StopCategory;
 use trirrr_core::machine::Geometry;
 use trirrr_protocol::message::{DriveReading, DriveState};
 
-type Told = WithContact<'static, WithFeedback<'static, Thesis<f64>>, Retreats>;
+type Told = super::super::contact::Felt<f64>;
 
 /// Most acts on the way to a state in the short search.
 const DEPTH: usize = 4;
@@ -147,13 +147,10 @@ impl<const FEELS: bool> Explored for DrivenMachine<FEELS> {
         let geometry = Geometry::<f64>::build(&example()).unwrap();
         let feedback = FeedbackCoefficients::build(&WATCH, &example(), &geometry, home()).unwrap();
         let contact = ContactCoefficients::build(&FELT, PERIOD_S).unwrap();
-        let scene = WithContact {
-            scene: WithFeedback {
-                scene: Adjustable::new(example(), LimitParameters::default()),
-                feedback: Some(Box::leak(Box::new(feedback))),
-            },
+        let scene = SceneParts {
+            feedback: Some(Box::leak(Box::new(feedback))),
             contact: FEELS.then(|| &*Box::leak(Box::new(contact))),
-            retreat: Retreats,
+            ..Adjustable::new(example(), LimitParameters::default()).into()
         };
         let bench = Bench::with_room::<4>(scene, home(), timed_settings());
         let last = *bench.service.output();

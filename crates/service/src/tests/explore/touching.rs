@@ -2,7 +2,8 @@
 
 use super::super::interlocks::{GuardedScene, touching};
 use super::*;
-use crate::interlock::{InterlockKind, LatchedRun};
+use crate::feature::Optional;
+use crate::interlock::LatchedRun;
 use crate::settings::StopCategory;
 use trirrr_protocol::message::ProbeRun;
 
@@ -16,7 +17,7 @@ struct TouchingMachine {
 
 impl TouchingMachine {
     fn run(&mut self) -> Option<LatchedRun<f64>> {
-        let probe = self.bench.service.foreground.interlocks.probe();
+        let probe = self.bench.service.foreground.features.probe.get();
         probe.and_then(|probe| probe.run().copied())
     }
 }
@@ -107,7 +108,7 @@ impl Explored for TouchingMachine {
         let foreground = &self.bench.service.foreground;
         let state = foreground.state();
         let plays = matches!(state, State::Running | State::Slowing | State::Holding);
-        if foreground.interlocks.is_at_limit() {
+        if foreground.features.is_at_limit() {
             assert!(!plays, "{state:?} on a limit switch");
         }
         match run {
@@ -135,9 +136,9 @@ impl Explored for TouchingMachine {
 
     /// Not the ticks that a change has lasted, nor the place of a contact.
     fn world(&self) -> String {
-        let mut interlocks = self.bench.service.foreground.interlocks;
-        let states = interlocks.states();
-        let run = interlocks.probe().and_then(|probe| probe.run().copied());
+        let features = &self.bench.service.foreground.features;
+        let states = features.input_states();
+        let run = features.probe.get().and_then(|probe| probe.run().copied());
         let run = run.map(|run| match run {
             LatchedRun::Armed => "armed",
             LatchedRun::Touched(_) => "touched",

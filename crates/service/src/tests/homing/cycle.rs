@@ -90,14 +90,7 @@ fn a_machine_whose_motors_are_known_has_no_homing() {
     bench.ticks(1);
     assert_eq!(bench.state(), State::Idle);
     // One that may have it, and has not, is the same.
-    let scene = WithHoming {
-        scene: Adjustable::new(example(), LimitParameters::default()),
-        homing: None,
-    };
-    let scene = WithFeedback {
-        scene,
-        feedback: None,
-    };
+    let scene = Adjustable::new(example(), LimitParameters::default());
     let mut bench = Bench::<Homed<f64>>::of(scene, home());
     assert_eq!(bench.refused(Command::Home), Refusal::NoHoming);
     bench.inputs = [true; 3];

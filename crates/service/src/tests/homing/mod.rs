@@ -9,8 +9,6 @@ use crate::number::ServiceNumber;
 use trirrr_core::machine::Geometry;
 use trirrr_protocol::message::{DriveReading, DriveState};
 
-pub(super) type Homed<N> = WithFeedback<'static, WithHoming<'static, Thesis<N>>>;
-
 /// Stiffness of a drive against a hard stop, N m/rad, and the torque that tells the stop, N m.
 const STIFFNESS: f64 = 200.0;
 const STALL_TORQUE: f64 = 0.3;
@@ -107,17 +105,13 @@ impl<N: ServiceNumber> Machine<N> {
             acceleration_rad_s2: Some([1.9; 3]),
             ..LimitParameters::default()
         };
-        let scene = WithHoming {
-            scene: Adjustable::new(example(), limits),
+        // Drives tell what the test says, and nobody watches them.
+        let scene = SceneParts {
             homing: Some(&*Box::leak(Box::new(HomingCoefficients::build(
                 &parameters,
                 PERIOD_S,
             )))),
-        };
-        // Drives tell what the test says, and nobody watches them.
-        let scene = WithFeedback {
-            scene,
-            feedback: None,
+            ..Adjustable::new(example(), limits).into()
         };
         let bench = Bench::of(scene, home());
         let commanded = |motor: &trirrr_core::tick::Motor<N>| N::angle_to_f64(motor.angle);
