@@ -38,6 +38,7 @@ mod background;
 mod channels;
 mod coefficients;
 mod contact;
+mod curves;
 mod digital;
 mod feature;
 mod feed;
@@ -70,6 +71,7 @@ pub use contact::{
     ContactCoefficients, ContactModel, ContactObserver, ContactParameters, ContactThresholds,
     Deviation,
 };
+pub use curves::PlayedCurves;
 pub use digital::DigitalParameters;
 pub use feature::{Feature, Memory, On, Optional, Present};
 pub use feedback::{FeedbackCoefficients, FeedbackParameters, Readings, WatchLimits};
@@ -83,7 +85,6 @@ pub use interlock::{
 };
 pub use levels::check_levels;
 pub use number::ServiceNumber;
-pub use offered::PlayedCurves;
 pub use pace::{MovePaces, Pace, Ramp};
 pub use planner::{PathPlanner, PathStep, Planning};
 pub use scene::{

@@ -1,33 +1,8 @@
 //! Moves as the background keeps them until they are judged, of the kinds that the scene plays.
 
-use crate::admission::{Aim, Aiming};
-use crate::feature::{Feature, On};
-use crate::number::ServiceNumber;
 use trirrr_core::number::Number;
-use trirrr_core::setpoint::{Cubics, CurveKind, Ends, Quintics};
+use trirrr_core::setpoint::{CurveKind, Ends};
 use trirrr_protocol::message::{AnyMove, Move, QuinticMove};
-
-/// Kinds of moves that a service plays.
-pub trait PlayedCurves: CurveKind {
-    /// Quintics, and with them retargets.
-    type QuinticMoves: Feature;
-
-    /// Work on a retarget.
-    type Aim<N: ServiceNumber>: Aiming<N>;
-
-    /// True if a retarget may cut moves.
-    const CUTS: bool = Self::QuinticMoves::EXISTS;
-}
-
-impl PlayedCurves for Cubics {
-    type QuinticMoves = ();
-    type Aim<N: ServiceNumber> = ();
-}
-
-impl<const JERK: bool> PlayedCurves for Quintics<JERK> {
-    type QuinticMoves = On;
-    type Aim<N: ServiceNumber> = Option<Aim<N, JERK>>;
-}
 
 /// A move of the kinds `K`.
 #[derive(Clone, Copy, Debug, PartialEq)]

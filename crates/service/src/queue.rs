@@ -21,13 +21,13 @@ impl<'q, T> Sender<'q, T> {
         Self(producer)
     }
 
-    /// Puts `item` in; whether there was room.
+    /// Puts `item` in. Returns false if there is no room.
     #[inline]
     pub(super) fn send(&mut self, item: T) -> bool {
         self.0.capacity() != usize::MAX && self.0.enqueue(item).is_ok()
     }
 
-    /// Returns whether there is room for an item.
+    /// Returns true if there is room for an item.
     #[inline]
     pub(super) fn has_room(&self) -> bool {
         self.0.capacity() != usize::MAX && self.0.ready()

@@ -21,7 +21,7 @@
 mod background;
 #[cfg(target_os = "none")]
 pub mod cause;
-#[cfg(all(target_os = "none", digital))]
+#[cfg(target_os = "none")]
 pub mod digital;
 #[cfg(target_os = "none")]
 pub mod failure;
@@ -33,7 +33,7 @@ mod heartbeat;
 mod image_flash;
 #[cfg(target_os = "none")]
 pub mod inputs;
-#[cfg(all(target_os = "none", lamp))]
+#[cfg(target_os = "none")]
 mod lamp;
 #[cfg(target_os = "none")]
 mod line;
@@ -62,25 +62,23 @@ mod tick_clock;
 mod update;
 #[cfg(target_os = "none")]
 pub mod usb;
+#[cfg(target_os = "none")]
+mod wired;
 
-#[cfg(target_os = "none")]
-pub use background::Background;
-#[cfg(target_os = "none")]
-pub use heartbeat::WATCHDOG_MS;
 #[cfg(all(target_os = "none", update, feature = "stm32g474"))]
 pub use image_flash::is_lost_expected;
-#[cfg(all(target_os = "none", lamp))]
-pub use lamp::LampPin;
-#[cfg(target_os = "none")]
-pub use line::{BAUD, IN_FLIGHT, IS_FIXED, LOG_BAUD, ReceivedBytes};
-#[cfg(target_os = "none")]
-pub use service::{Channels, Output, Readings, build};
-#[cfg(target_os = "none")]
-pub use tick::Tick;
-#[cfg(target_os = "none")]
-pub use tick_clock::{TickClock, period};
 #[cfg(all(target_os = "none", update))]
 pub use update::ImageLabel;
+#[cfg(target_os = "none")]
+pub use {
+    background::Background,
+    heartbeat::WATCHDOG_MS,
+    lamp::LampPin,
+    line::{BAUD, IN_FLIGHT, IS_FIXED, LOG_BAUD, ReceivedBytes},
+    service::{Channels, Output, Readings, build},
+    tick::Tick,
+    tick_clock::{TickClock, period},
+};
 
 /// Ends a board's program that was started on a host, and tells how to build the image: with `command`.
 #[cfg(not(target_os = "none"))]

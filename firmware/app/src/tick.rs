@@ -1,11 +1,12 @@
 //! The tick: inputs, service, drives, and the time that all of it took.
 
 use crate::heartbeat;
-use crate::inputs::{Inputs, Wired, wire};
+use crate::inputs::Inputs;
 use crate::outputs::Outputs;
 use crate::scene::Scalar;
 use crate::service::SceneForeground;
 use crate::tick_clock::TickClock;
+use crate::wired::{Wired, wire};
 use trirrr_core::number::Arithmetic;
 use trirrr_drives::Failure;
 use trirrr_protocol::message::{Board, FaultCode};

@@ -47,15 +47,15 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
                 Refusal::NothingQueued
             });
         }
-        let room = |x: usize| self.passed.left(&self.admitted.room, x);
+        let room = |x: usize| self.view.passed.left(&self.admission.admitted.room, x);
         let mut feed = FeedScale::new(self.settings.ramp.ticks);
         feed.aim_at(self.status.feed_percent);
         let enough = feed.is_enough(0, room);
         let rests = Ahead {
-            room: self.admitted.room,
-            rests: self.rests,
+            room: self.admission.admitted.room,
+            rests: self.admission.rests,
         }
-        .rests_from(self.begun);
+        .rests_from(self.view.begun);
         if !rests && !enough && self.ends.moves.has_room() {
             return Err(if undecided {
                 Refusal::Undecided
@@ -145,7 +145,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             self.require_idle()?;
         }
         self.require_clear_inputs()?;
-        let path = self.joint_path(self.angles, &recovery.to, recovery.ticks)?;
+        let path = self.joint_path(self.view.angles, &recovery.to, recovery.ticks)?;
         self.send_along(path, recovery.to, Order::Recover, State::Recovering)
     }
 
@@ -239,7 +239,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
 
     /// Returns true if every admitted move was begun.
     fn has_played_all(&self) -> bool {
-        self.status.admitted == self.begun
+        self.status.admitted == self.view.begun
     }
 
     /// Refuses unless the machine waits in idle with nothing queued.

@@ -82,7 +82,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         }
         if report.asked != receiver.answered {
             receiver.answered = report.asked;
-            receiver.search = Some(PoseSearch::new(self.angles, pose));
+            receiver.search = Some(PoseSearch::new(self.view.angles, pose));
         }
     }
 
@@ -114,7 +114,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         });
         let sent = match result {
             Ok(to) => {
-                let path = JointMove::new(self.angles, self.angles, 1, self.settings.period);
+                let path =
+                    JointMove::new(self.view.angles, self.view.angles, 1, self.settings.period);
                 self.ends.recoveries.send(Recover { path, to })
                     && self.order(Order::Place, State::Enabling).is_ok()
             }

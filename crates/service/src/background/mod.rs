@@ -18,8 +18,8 @@ mod retarget;
 mod splice;
 mod window;
 
+use super::curves::PlayedCurves;
 use super::handoff::{Ahead, Order, QueuedMove, Recover, SharedCounters, TickReport};
-use super::offered::PlayedCurves;
 use super::pace::{Room, RoomCount};
 use super::planner::PathPlanner;
 use super::queue::{BothEnds, Receiver, Sender};
@@ -33,7 +33,7 @@ pub(super) use features::BackgroundFeatures;
 use nalgebra::Vector3;
 pub(super) use offers::OfferedMoves;
 pub(super) use splice::Retargeting;
-use trirrr_core::number::{Arithmetic, Number};
+use trirrr_core::number::Number;
 use trirrr_core::setpoint::{Pose, Setpoint};
 use trirrr_protocol::message::{
     Acting, DigitalStates, Event, Fault, InputStates, Message, MessageRef, Refusal, State, Status,
@@ -47,7 +47,7 @@ pub struct Background<'q, S: Scene> {
     update: S::Update,
     settings: Settings<S::N>,
     coefficients: CoefficientsOf<S>,
-    judgement: Judgement<S::N, CurvesOf<S>>,
+    admission: Admission<S::N, CurvesOf<S>>,
     /// The retarget that is being planned.
     aim: <CurvesOf<S> as PlayedCurves>::Aim<S::N>,
     ends: BackgroundEnds<'q, S>,
@@ -63,23 +63,36 @@ pub struct Background<'q, S: Scene> {
     /// It includes what the orders that the tick has not taken yet will make of it.
     /// The tick's counters and the room are those of the last time that somebody asked.
     status: Status<S::N>,
-    /// The last state event.
-    reported: (State, Acting, u32),
-    generation: u8,
-    begun: u32,
-    /// Room of all parts that the tick has begun.
-    passed: Room,
-    angles: [<S::N as Arithmetic>::Angle; 3],
-    orders_sent: u8,
-    orders_taken: u8,
+    view: TickView<S::N>,
+    /// The job that was named last was left: offers without a name are of another.
+    job_is_over: bool,
+}
+
+/// Admission of the offered moves.
+struct Admission<N: ServiceNumber, K: PlayedCurves> {
+    judgement: Judgement<N, K>,
+    /// The oldest of the offered moves is with it.
+    checking: bool,
     /// Room of all admitted moves.
     admitted: RoomCount,
     /// As in [`Ahead`].
     rests: u32,
-    /// The oldest of the offered moves is with the admission.
-    checking: bool,
-    /// The job that was named last was left: offers without a name are of another.
-    job_is_over: bool,
+}
+
+/// State of the tick, as far as known.
+struct TickView<N: Number> {
+    /// The last state event.
+    reported: (State, Acting, u32),
+    generation: u8,
+    /// Number of the first move that was not begun.
+    begun: u32,
+    /// Room of all parts that the tick has begun.
+    passed: Room,
+    angles: [N::Angle; 3],
+    /// Orders so far, modulo 256.
+    orders_sent: u8,
+    /// Orders that the tick has taken, modulo 256.
+    orders_taken: u8,
 }
 
 /// A pose at which moves end, at rest.
@@ -134,7 +147,12 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
             update,
             settings,
             coefficients,
-            judgement: Judgement::new(),
+            admission: Admission {
+                judgement: Judgement::new(),
+                checking: false,
+                admitted: RoomCount::NOTHING,
+                rests: 0,
+            },
             aim: Aiming::<N>::NONE,
             ends,
             features,
@@ -168,22 +186,21 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
                 probe: None,
                 digital,
             },
-            reported: (State::Disabled, Acting::Nothing, 0),
-            generation: 0,
-            begun: 0,
-            passed: Room::NONE,
-            angles,
-            orders_sent: 0,
-            orders_taken: 0,
-            admitted: RoomCount::NOTHING,
-            rests: 0,
-            checking: false,
+            view: TickView {
+                reported: (State::Disabled, Acting::Nothing, 0),
+                generation: 0,
+                begun: 0,
+                passed: Room::NONE,
+                angles,
+                orders_sent: 0,
+                orders_taken: 0,
+            },
             job_is_over: false,
         }
     }
 
     /// A slice of background work, bounded: what the tick reported, then one step of the admission.
-    /// Whether there is more to do at once.
+    /// Returns true if there is more to do at once.
     pub fn step(&mut self) -> bool {
         self.drain_reports();
         self.contact_step();
@@ -210,7 +227,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     }
 
     /// Hands on what is to be sent next, as [`Background::outgoing`], from where it lies: a sample is
-    /// not copied. Whether there was anything.
+    /// not copied. Returns false if there was nothing.
     pub fn send_next(&mut self, send: impl FnOnce(&MessageRef<'_, N, PartOf<S>>)) -> bool {
         self.drain_reports();
         if self.is_event_next()
@@ -270,18 +287,18 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
 
     #[inline(never)]
     fn apply_report(&mut self, report: &TickReport<S>) {
-        self.orders_taken = report.orders;
-        self.begun = report.begun;
-        self.passed = report.passed;
+        self.view.orders_taken = report.orders;
+        self.view.begun = report.begun;
+        self.view.passed = report.passed;
         // An older report must not overwrite the angles predicted for changed encoder offsets in flight.
-        if !ChangesOf::<S>::EXISTS || self.orders_taken == self.orders_sent {
-            self.angles = report.angles;
+        if !ChangesOf::<S>::EXISTS || self.view.orders_taken == self.view.orders_sent {
+            self.view.angles = report.angles;
         }
         self.apply_splice(report.splice.get());
         self.apply_feedback(report.feedback.get(), report.pose);
         self.apply_interlocks(report.interlocks.get(), report.probe.get());
         self.apply_digital(report.digital.get());
-        let over = report.generation != self.generation;
+        let over = report.generation != self.view.generation;
         if over {
             self.start_over(report);
         }
@@ -297,8 +314,8 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         self.status.interrupted = report.interrupted;
         self.desk.offered.release(report.done);
         let reported = (report.state, report.acting, report.done);
-        if self.reported != reported {
-            self.reported = reported;
+        if self.view.reported != reported {
+            self.view.reported = reported;
             self.push_event(Event::State {
                 state: report.state,
                 acting: report.acting,
@@ -306,7 +323,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
             });
         }
         // An older report must not overwrite the state predicted for an order in flight.
-        if over || self.orders_taken == self.orders_sent {
+        if over || self.view.orders_taken == self.view.orders_sent {
             (self.status.state, self.status.acting) = (report.state, report.acting);
             if self.status.end.is_none() && self.status.state == State::Idle {
                 self.status.end = Some(at_rest(report.pose));
@@ -316,21 +333,21 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
 
     /// The tick dropped its queue: so does the background.
     fn start_over(&mut self, report: &TickReport<S>) {
-        self.generation = report.generation;
+        self.view.generation = report.generation;
         self.desk.offered.clear();
         self.job_is_over = true;
         self.features.withdraw();
-        self.checking = false;
+        self.admission.checking = false;
         self.aim = Aiming::<N>::NONE;
         self.desk.planner.drop_path();
         self.drop_splice();
         self.status.next = report.begun;
         self.status.admitted = report.begun;
-        self.admitted = RoomCount::NOTHING;
-        self.rests = report.begun;
+        self.admission.admitted = RoomCount::NOTHING;
+        self.admission.rests = report.begun;
         self.ends.shared.set_ahead(Ahead {
             room: Room::NONE,
-            rests: self.rests,
+            rests: self.admission.rests,
         });
         self.publish_generation();
         self.status.end = None;
@@ -346,7 +363,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         if !self.ends.orders.send(order) {
             return Err(Refusal::Busy);
         }
-        self.orders_sent = self.orders_sent.wrapping_add(1);
+        self.view.orders_sent = self.view.orders_sent.wrapping_add(1);
         self.status.state = state;
         Ok(())
     }

@@ -1,8 +1,9 @@
 //! Moves: what is offered, its admission, and the queue to the tick.
 
+use super::super::curves::PlayedCurves;
 use super::super::feed::FeedScale;
 use super::super::handoff::{Ahead, QueuedMove};
-use super::super::offered::{Offered, PlayedCurves};
+use super::super::offered::Offered;
 use super::super::pace::MovePaces;
 use super::super::planner::PathPlanner;
 use super::super::tool::Tool;
@@ -163,21 +164,25 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         Ok(())
     }
 
-    /// One step of the admission. Whether there is more to do.
+    /// Does one step of the admission. Returns true if there is more to do.
     #[inline(never)]
     pub(super) fn check_step(&mut self) -> bool {
         let Some(offered) = self.desk.offered.peek() else {
             return false;
         };
-        if !self.checking {
+        if !self.admission.checking {
             let path = &self.coefficients.borrow().path;
-            self.judgement.offer(path, offered);
-            self.checking = true;
+            self.admission.judgement.offer(path, offered);
+            self.admission.checking = true;
             return true;
         }
-        match self.judgement.step(&self.coefficients.borrow().path) {
+        match self
+            .admission
+            .judgement
+            .step(&self.coefficients.borrow().path)
+        {
             admission::Verdict::Undecided => {
-                if let Some(violation) = self.judgement.violation()
+                if let Some(violation) = self.admission.judgement.violation()
                     && self.desk.planner.is_active()
                 {
                     // The planner has no use for the shortest duration, which is still looked for.
@@ -202,7 +207,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             }
             // The admission has nothing to judge: it is offered again.
             admission::Verdict::Nothing => {
-                self.checking = false;
+                self.admission.checking = false;
                 true
             }
         }
@@ -213,22 +218,24 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let Some(offered) = self.desk.offered.admit() else {
             return;
         };
-        self.checking = false;
+        self.admission.checking = false;
         self.desk.planner.keep();
-        let planned = self.queued(&offered, self.judgement.paces());
+        let planned = self.queued(&offered, self.admission.judgement.paces());
         let QueuedMove { ticks, number, .. } = planned;
-        self.features.admit(number, self.generation);
+        self.features.admit(number, self.view.generation);
         if !self.ends.moves.send(planned) {
             return;
         }
         let measure = FeedScale::new(self.settings.ramp.ticks).room_measure();
-        self.admitted.add_move(&planned.paces, ticks, &measure);
+        self.admission
+            .admitted
+            .add_move(&planned.paces, ticks, &measure);
         if offered.common.ends_at_rest() {
-            self.rests = number.wrapping_add(1);
+            self.admission.rests = number.wrapping_add(1);
         }
         self.ends.shared.set_ahead(Ahead {
-            room: self.admitted.room,
-            rests: self.rests,
+            room: self.admission.admitted.room,
+            rests: self.admission.rests,
         });
         self.status.admitted = number.wrapping_add(1);
         self.push_event(Event::Verdict(Verdict {
@@ -251,7 +258,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             number,
             tool: Tool::of(&offered.common),
             paces,
-            generation: self.generation,
+            generation: self.view.generation,
         }
     }
 
@@ -279,7 +286,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let Some(offered) = self.desk.offered.refuse() else {
             return;
         };
-        self.checking = false;
+        self.admission.checking = false;
         self.features.drop_levels();
         // Where the refused one is a cubic, a quintic behind a quintic starts anew.
         let [acceleration, _] = offered.quintic().unwrap_or([[N::ZERO; 3]; 2]);

@@ -1,6 +1,7 @@
 //! Moves that were offered.
 
-use crate::offered::{Offered, PlayedCurves};
+use crate::curves::PlayedCurves;
+use crate::offered::Offered;
 use crate::splice::Place;
 use heapless::deque::DequeView;
 use trirrr_core::number::Number;

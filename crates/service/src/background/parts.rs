@@ -44,13 +44,13 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let (pose, angles) = match section {
             Section::Leg { .. } => {
                 let forward = Forward::build(&changed.parameters, &geometry);
-                let angles = [0, 1, 2].map(|motor| self.angles[motor] + shift[motor]);
+                let angles = [0, 1, 2].map(|motor| self.view.angles[motor] + shift[motor]);
                 let found = forward.solve(&angles, end.pose, MOST_STEPS);
                 (found.map_err(|_| Refusal::NoPose)?.pose, angles)
             }
             // The platform stays where it is: its new tool point is elsewhere.
-            Section::Platform(_) => (moved_along(end.pose, changed.tool_way), self.angles),
-            Section::Limits(_) => (end.pose, self.angles),
+            Section::Platform(_) => (moved_along(end.pose, changed.tool_way), self.view.angles),
+            Section::Limits(_) => (end.pose, self.view.angles),
         };
 
         // What the tick would find in its next look is found here: a part that it cannot stand with would be a fault without a way out.
@@ -68,8 +68,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         }
         self.order(Order::Adopt, State::Idle)?;
         self.machine.adopt(&changed, built, &mut self.coefficients);
-        self.angles = angles;
-        self.judgement = Judgement::new();
+        self.view.angles = angles;
+        self.admission.judgement = Judgement::new();
         self.status.end = Some(at_rest(pose));
         Ok(())
     }

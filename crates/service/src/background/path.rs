@@ -53,7 +53,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         self.is_retargeting() || self.desk.planner.is_active()
     }
 
-    /// One step of the plan. Whether there was one to do.
+    /// Does one step of the plan. Returns true if there was one to do.
     #[inline(always)]
     pub(super) fn path_step(&mut self) -> bool {
         // One move at a time: the next plan may depend on its verdict.

@@ -66,7 +66,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         self.aim.aim(&self.coefficients.borrow().path, &task);
     }
 
-    /// One step of the plan. Whether there was one to do.
+    /// Does one step of the plan. Returns true if there was one to do.
     #[inline(always)]
     pub(super) fn retarget_step(&mut self) -> bool {
         if !self.aim.is_under_way() {

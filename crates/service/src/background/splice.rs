@@ -182,7 +182,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     #[inline(always)]
     pub(super) fn publish_generation(&self) {
         if let Some(splices) = self.features.splices.get() {
-            splices.publish(self.generation);
+            splices.publish(self.view.generation);
         }
     }
 
@@ -280,7 +280,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     fn choose_place(&mut self) -> Option<bool> {
         let state = self.status.state;
         let from = Place {
-            number: self.begun.wrapping_sub(1),
+            number: self.view.begun.wrapping_sub(1),
             tick: self.features.retargeting.get()?.report.tick,
         };
         let lead = match state {
@@ -434,7 +434,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
                 }
             }
         }
-        let generation = self.generation;
+        let generation = self.view.generation;
         let (Some(retargeting), Some(splices)) = (
             self.features.retargeting.get_mut(),
             self.features.splices.get_mut(),
@@ -488,7 +488,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         };
         self.desk.offered.cut_behind(at.number);
         self.features.drop_levels();
-        self.checking = false;
+        self.admission.checking = false;
         for index in 0..moves {
             let Some(offered) = self.planned_offer(index, first) else {
                 break;
@@ -534,7 +534,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         {
             self.accept_chain();
         }
-        self.generation = self.generation.wrapping_add(1);
+        self.view.generation = self.view.generation.wrapping_add(1);
         let Some(retargeting) = self.features.retargeting.get_mut() else {
             return;
         };
@@ -548,11 +548,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         retargeting.drains = true;
         let Place { number, tick: at } = retargeting.at;
         let next = retargeting.first;
-        (self.admitted, self.rests) = (retargeting.room, retargeting.rests);
+        (self.admission.admitted, self.admission.rests) = (retargeting.room, retargeting.rests);
         self.status.cut = Some(Cut { number, at, next });
         self.ends.shared.set_ahead(Ahead {
-            room: self.admitted.room,
-            rests: self.rests,
+            room: self.admission.admitted.room,
+            rests: self.admission.rests,
         });
         self.publish_generation();
     }

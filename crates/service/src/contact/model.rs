@@ -1,6 +1,5 @@
 //! Inertia and lever arms of a machine at a pose.
 
-use super::observer::Deviation;
 use super::parameters::ContactCoefficients;
 use nalgebra::Vector3;
 use trirrr_core::model::Model;
@@ -82,10 +81,10 @@ impl<N: Number> ContactModel<N> {
         product(&self.to_tool, torques)
     }
 
-    /// Weighted momentum of joints with these deviations.
+    /// Weighted momentum of joints that turn by these rates faster than commanded, rad/s.
     #[inline(always)]
-    pub(super) fn momentum(&self, [a, b, c]: &[Deviation<N>; 3]) -> [N; 3] {
-        product(&self.inertia, &[a.rate, b.rate, c.rate])
+    pub(super) fn momentum(&self, rates: &[N; 3]) -> [N; 3] {
+        product(&self.inertia, rates)
     }
 }
 

@@ -9,11 +9,22 @@ use trirrr_core::tick::Motor;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Deviation<N> {
     /// Measured rate less the commanded one, rad/s.
-    pub(super) rate: N,
+    rate: N,
     /// Measured torque less the commanded one and the friction that is certain, N m.
     excess: N,
     /// Friction that is possible beside it, N m.
     band: N,
+}
+
+impl<N: Number> ContactCoefficients<N> {
+    /// Deviations of joints that told `[rate, torque]` from their commands `motors`.
+    pub fn deviations(&self, told: &[[N; 2]; 3], motors: &[Motor<N>; 3]) -> [Deviation<N>; 3] {
+        let joint = |index: usize| {
+            let [rate, torque] = told[index];
+            Commanded::of(self, index, &motors[index]).deviation(rate, torque)
+        };
+        [joint(0), joint(1), joint(2)]
+    }
 }
 
 /// Command of a joint.
@@ -85,7 +96,7 @@ impl<N: Number> ContactObserver<N> {
     /// Observer of a machine on which nothing acts, with these deviations.
     pub fn starting(model: &ContactModel<N>, deviations: &[Deviation<N>; 3]) -> Self {
         Self {
-            momentum: model.momentum(deviations),
+            momentum: model.momentum(&deviations.each_ref().map(|each| each.rate)),
             ..Self::AT_REST
         }
     }
@@ -103,7 +114,7 @@ impl<N: Number> ContactObserver<N> {
         model: &ContactModel<N>,
         deviations: &[Deviation<N>; 3],
     ) -> [N; 3] {
-        let momentum = model.momentum(deviations);
+        let momentum = model.momentum(&deviations.each_ref().map(|each| each.rate));
         let &ContactCoefficients { decay, share, .. } = coefficients;
         let mut joint = |index: usize| {
             let Deviation { excess, band, .. } = deviations[index];

@@ -1,12 +1,10 @@
 //! Thresholds of contact detection, its filter, and the friction that it allows for.
 
-use super::observer::{Commanded, Deviation};
 use crate::settings::StopCategory;
 use core::f64::consts::TAU;
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 use trirrr_core::number::Number;
-use trirrr_core::tick::Motor;
 use trirrr_core::to_source;
 
 /// Settings of contact detection, in SI units.
@@ -93,15 +91,6 @@ to_source!([N: Number] ContactThresholds [N] in trirrr_service {
 });
 
 impl<N: Number> ContactCoefficients<N> {
-    /// Deviations of joints that told `[rate, torque]` from their commands `motors`.
-    pub fn deviations(&self, told: &[[N; 2]; 3], motors: &[Motor<N>; 3]) -> [Deviation<N>; 3] {
-        let joint = |index: usize| {
-            let [rate, torque] = told[index];
-            Commanded::of(self, index, &motors[index]).deviation(rate, torque)
-        };
-        [joint(0), joint(1), joint(2)]
-    }
-
     /// Builds the coefficients for ticks of `period_s`. `None` in a number type with units of its own: its range has no
     /// room for the differences that a contact makes.
     pub fn build(contact: &ContactParameters, period_s: f64) -> Option<Self> {

@@ -51,7 +51,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Returns true while a door is open, or was since the job ran last.
     #[inline]
     pub(super) fn waits_for_door(&self) -> bool {
-        S::Interlocks::EXISTS && (self.features.is_open() || self.left.is_some())
+        S::Interlocks::EXISTS && (self.features.is_open() || self.job.left.is_some())
     }
 
     /// The run with the probe is over. The readings of this tick belong to the angles that were commanded in the last one.
@@ -77,11 +77,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         self.leave();
         match self.state {
             State::Running | State::Slowing => {
-                self.held = true;
+                self.travel.held = true;
                 self.transition_to(State::Slowing, Acting::Door);
             }
             State::Holding => {
-                self.held = true;
+                self.travel.held = true;
                 self.transition_to(State::Holding, Acting::Door);
             }
             State::Recovering | State::Homing => {

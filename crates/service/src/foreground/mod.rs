@@ -28,8 +28,8 @@ use crate::scene::{CurvesOf, ModelOf, Scene, Setup};
 use core::sync::atomic::Ordering;
 use nalgebra::Vector3;
 use supply::Supply;
-use trirrr_core::number::{Number, WideArithmetic};
-use trirrr_core::setpoint::{JointSetpoint, Pose, Setpoint};
+use trirrr_core::number::Number;
+use trirrr_core::setpoint::{CurveKind, JointSetpoint, Pose, Setpoint};
 use trirrr_core::tick::{Motion, Motor, Tick};
 use trirrr_protocol::message::{
     Acting, Fault, FaultCode, Interruption, State, Telemetry, TelemetryFields,
@@ -39,20 +39,32 @@ use trirrr_protocol::message::{
 pub struct Foreground<'q, S: Scene> {
     tick: Tick<ModelOf<S>>,
     pub(super) guard: Guard<S::N>,
-    /// 1 / (R dt): change of the pace per time on a ramp.
-    slope: <S::N as WideArithmetic>::Factor,
-    counts: Counts<S::N>,
-    host_timeout_ticks: u32,
-
     ends: ForegroundEnds<'q, S>,
     pub(super) features: TickFeatures<'q, S>,
-
     supply: Supply,
     state: State,
     acting: Acting,
+    /// Tick in which the present wait for moves, or way to rest, began.
+    since: u32,
+    travel: Travel<S::N, CurvesOf<S>>,
+    job: JobPlace,
+    /// Pose to which the platform was commanded last.
+    pub(super) pose: Pose<S::N>,
+    output: Output<S::N>,
+    orders_taken: u8,
+    /// Something changed that was not reported.
+    unreported: bool,
+    host: HostWatch,
+    sampling: Sampling,
+    /// Ticks so far.
+    clock: u32,
+}
+
+/// Path under way, and the pace on it.
+struct Travel<N: Number, K: CurveKind> {
     path: Path,
     /// The move under way.
-    current: Option<QueuedMove<S::N, CurvesOf<S>>>,
+    current: Option<QueuedMove<N, K>>,
     position: PathPosition,
     part: Part,
     /// Room of all parts that were begun.
@@ -60,28 +72,43 @@ pub struct Foreground<'q, S: Scene> {
     feed: FeedScale,
     /// A hold that the host asked for: it waits to be resumed.
     held: bool,
-    /// Pose to which the platform was commanded last.
-    pub(super) pose: Pose<S::N>,
-    output: Output<S::N>,
+    /// 1 / (R dt): change of the pace per time on a ramp.
+    slope: N::Factor,
+    counts: Counts<N>,
+}
 
+/// Place of the tick in the moves that are queued.
+struct JobPlace {
+    /// Generation of the queue.
     generation: u8,
+    /// Number of the first move that was not begun.
     begun: u32,
+    /// Number of the first move that is not over.
     done: u32,
+    /// Place at which the last job was left.
     interrupted: Option<Interruption>,
     /// Place at which the job under way lost its tool: at a stop, a fault or an open door. The machine may have gone on from there.
     left: Option<Interruption>,
-    /// Tick in which the present wait for moves, or way to rest, began.
-    since: u32,
-    orders_taken: u8,
-    /// Something changed that was not reported.
-    unreported: bool,
+}
 
+/// Watch over the host.
+struct HostWatch {
+    /// Silence after which a machine that moves comes to rest, ticks; 0 for never.
+    timeout_ticks: u32,
+    /// Requests heard so far.
     heard: u32,
+    /// Ticks since the last.
     silent: u32,
-    clock: u32,
+}
+
+/// Telemetry samples.
+struct Sampling {
+    /// Ticks from one sample to the next; 0 for none.
     every: u16,
     fields: TelemetryFields,
+    /// Ticks until the next sample.
     countdown: u16,
+    /// Duration of the last tick, counts of the board's timer.
     duration: u32,
 }
 
@@ -136,21 +163,30 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         Self {
             tick: setup.tick,
             guard: Guard::of_results(&setup.limits),
-            slope: slope::<N>(settings.ramp.ticks, settings.period),
-            counts: Counts::new(&feed),
-            host_timeout_ticks: settings.host_timeout_ticks,
             ends,
             features,
-            state: State::Disabled,
             supply: Supply::new(settings.power, settings.reactions),
+            state: State::Disabled,
             acting: Acting::Nothing,
-            path: Path::None,
-            current: None,
-            position: PathPosition::START,
-            part: Part::WHOLE,
-            passed: RoomCount::NOTHING,
-            feed,
-            held: false,
+            since: 0,
+            travel: Travel {
+                path: Path::None,
+                current: None,
+                position: PathPosition::START,
+                part: Part::WHOLE,
+                passed: RoomCount::NOTHING,
+                slope: slope::<N>(settings.ramp.ticks, settings.period),
+                counts: Counts::new(&feed),
+                feed,
+                held: false,
+            },
+            job: JobPlace {
+                generation: 0,
+                begun: 0,
+                done: 0,
+                interrupted: None,
+                left: None,
+            },
             pose: setup.pose,
             output: Output {
                 motors: angles.map(motor),
@@ -158,21 +194,20 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
                 power: Power::Off,
                 brake_released: false,
             },
-            generation: 0,
-            begun: 0,
-            done: 0,
-            interrupted: None,
-            left: None,
-            since: 0,
             orders_taken: 0,
             unreported: false,
-            heard: 0,
-            silent: 0,
+            host: HostWatch {
+                timeout_ticks: settings.host_timeout_ticks,
+                heard: 0,
+                silent: 0,
+            },
+            sampling: Sampling {
+                every: settings.telemetry_every,
+                fields: TelemetryFields::ALL,
+                countdown: 0,
+                duration: 0,
+            },
             clock: 0,
-            every: settings.telemetry_every,
-            fields: TelemetryFields::ALL,
-            countdown: 0,
-            duration: 0,
         }
     }
 
@@ -203,7 +238,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         self.listen();
         self.watch();
         self.take_splice();
-        self.features.drop_stale(self.generation);
+        self.features.drop_stale(self.job.generation);
         self.check_interlocks();
         let started = self.take_order();
         let target = self.advance(started);
@@ -320,12 +355,12 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         });
     }
 
-    /// Says how long the last tick took, from when it was due until its outputs stood, and from
-    /// one tick to the next, both in counts of the board's timer. Whether it was in time; if not,
-    /// that is a [fault](FaultCode::Overrun), and the [output](Foreground::output) is off.
+    /// Reports the latency of the last tick, from when it was due until its outputs were written, and the period, both in counts of
+    /// the board's timer. Returns false and latches an [overrun](FaultCode::Overrun) if the tick took longer than the
+    /// period; the [output](Foreground::output) is off then.
     #[inline]
     pub fn report_timing(&mut self, duration: u32, period: u32) -> bool {
-        self.duration = duration;
+        self.sampling.duration = duration;
         let longest = self.ends.shared.longest.load(Ordering::Relaxed);
         if duration > longest {
             self.ends.shared.longest.store(duration, Ordering::Relaxed);
@@ -360,12 +395,11 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         homing.and_then(Cycle::shift).or(offsets)
     }
 
-    /// Says where the motors are, for a machine that has just found out by encoders. Heard
-    /// while nothing moves; afterwards the platform's pose is not known, and it takes a
-    /// [recovery](trirrr_protocol::message::Command::Recover) to get there. Whether it was heard.
+    /// Sets the angles of the motors as encoders measured them. Accepted only at rest. The platform's pose is unknown afterwards
+    /// until a [recovery](trirrr_protocol::message::Command::Recover). Returns false if the machine moves.
     pub fn set_position(&mut self, angles: [N::Angle; 3]) -> bool {
         let waits = match self.state {
-            State::Idle => self.current.is_none() && self.next_move().is_none(),
+            State::Idle => self.travel.current.is_none() && self.next_move().is_none(),
             State::Unhomed => true,
             _ => false,
         };
@@ -398,17 +432,17 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     #[inline]
     fn listen(&mut self) {
         let heard = self.ends.shared.heard.load(Ordering::Relaxed);
-        if heard != self.heard {
-            self.heard = heard;
-            self.silent = 0;
+        if heard != self.host.heard {
+            self.host.heard = heard;
+            self.host.silent = 0;
             return;
         }
-        self.silent = self.silent.saturating_add(1);
+        self.host.silent = self.host.silent.saturating_add(1);
         let moves = matches!(
             self.state,
             State::Running | State::Recovering | State::Homing
         );
-        if moves && self.host_timeout_ticks != 0 && self.silent >= self.host_timeout_ticks {
+        if moves && self.host.timeout_ticks != 0 && self.host.silent >= self.host.timeout_ticks {
             self.miss_host();
         }
     }
@@ -417,7 +451,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     #[cold]
     fn miss_host(&mut self) {
         if self.state == State::Running {
-            self.held = true;
+            self.travel.held = true;
             return self.transition_to(State::Slowing, Acting::Silence);
         }
         self.features.stop_homing();
@@ -431,7 +465,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
                 self.leave();
             }
             if state == State::Running {
-                self.left = None;
+                self.job.left = None;
             }
             self.features.enter(state, plays(state));
             self.state = state;
@@ -476,27 +510,30 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     fn drop_queue(&mut self) {
         self.leave();
         self.tell_left();
-        self.generation = self.generation.wrapping_add(1);
-        self.path = Path::None;
-        self.current = None;
-        self.position = PathPosition::START;
-        self.passed = RoomCount::NOTHING;
+        self.job.generation = self.job.generation.wrapping_add(1);
+        self.travel.path = Path::None;
+        self.travel.current = None;
+        self.travel.position = PathPosition::START;
+        self.travel.passed = RoomCount::NOTHING;
         self.features.drop_queue();
-        self.feed.end();
-        self.held = false;
-        self.done = self.begun;
+        self.travel.feed.end();
+        self.travel.held = false;
+        self.job.done = self.job.begun;
         self.unreported = true;
     }
 
     /// The tool of the job goes off for good. The first place of a job counts: on the way to rest the path is left without the tool.
     #[inline(never)] // size: docs/size.md, rule 3
     fn leave(&mut self) {
-        if let (None, true, Path::Move | Path::Ended, Some(current)) =
-            (self.left, plays(self.state), self.path, &self.current)
-        {
-            self.left = Some(Interruption {
+        if let (None, true, Path::Move | Path::Ended, Some(current)) = (
+            self.job.left,
+            plays(self.state),
+            self.travel.path,
+            &self.travel.current,
+        ) {
+            self.job.left = Some(Interruption {
                 number: current.number,
-                at: self.position.tick,
+                at: self.travel.position.tick,
             });
         }
     }
@@ -504,8 +541,8 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     /// The job is over: a host is told where it was left, if it was.
     #[inline(never)] // size: docs/size.md, rule 3
     fn tell_left(&mut self) {
-        if let Some(left) = self.left.take() {
-            self.interrupted = Some(left);
+        if let Some(left) = self.job.left.take() {
+            self.job.interrupted = Some(left);
         }
     }
 

@@ -11,12 +11,11 @@ use trirrr_core::setpoint::wrapped;
 use trirrr_protocol::message::{Acting, State};
 
 impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
-    /// Takes one order, or one move that is not to be played any more. Whether a path was begun:
-    /// its first setpoint is this tick's. An order that does not fit the state, because the state
-    /// changed while it was on its way, changes nothing.
+    /// Handles one order, or discards one stale move. Returns true if a path started in this tick: its first setpoint is this
+    /// tick's. An order that does not fit the state, because the state changed while it was on its way, changes nothing.
     #[inline]
     pub(super) fn take_order(&mut self) -> bool {
-        if self.path == Path::None
+        if self.travel.path == Path::None
             && self
                 .ends
                 .moves
@@ -37,7 +36,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             Order::Probe { away } => return self.start_probing(away),
             Order::Hold => self.hold(),
             // The state may be older than the door.
-            Order::Resume => self.held = self.features.is_open(),
+            Order::Resume => self.travel.held = self.features.is_open(),
             Order::Stop => self.stop(),
             Order::ClearFault => self.clear_fault(),
             Order::Enable => self.enable(),
@@ -55,10 +54,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                     digital.switch(on, off, self.state);
                 }
             }
-            Order::FeedOverride { percent } => self.feed.aim_at(percent),
+            Order::FeedOverride { percent } => self.travel.feed.aim_at(percent),
             Order::Telemetry { every, fields } => {
-                (self.every, self.fields) = (every, fields);
-                self.countdown = 0;
+                (self.sampling.every, self.sampling.fields) = (every, fields);
+                self.sampling.countdown = 0;
             }
             Order::Adopt => {
                 if let Some(setups) = self.features.setups.get_mut()
@@ -93,7 +92,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     }
 
     pub(super) fn is_stale(&self, planned: &QueuedMove<N, CurvesOf<S>>) -> bool {
-        planned.generation != self.generation
+        planned.generation != self.job.generation
     }
 
     fn start_probing(&mut self, away: bool) -> bool {
@@ -110,8 +109,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     fn start(&mut self) -> bool {
         let full = self.gets_no_more();
         let ahead = self.ahead();
-        let room = |x: usize| self.passed.room.left(&ahead.room, x);
-        let enough = ahead.rests_from(self.begun) || self.feed.is_enough(0, room);
+        let room = |x: usize| self.travel.passed.room.left(&ahead.room, x);
+        let enough = ahead.rests_from(self.job.begun) || self.travel.feed.is_enough(0, room);
         let is_blocked = self.features.is_open() || self.features.is_at_limit();
         if self.state != State::Idle || is_blocked || !(enough || full) {
             return false;
@@ -122,7 +121,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         self.begin();
         if !enough {
             // More does not fit in: slowly, as what there is allows.
-            self.feed.end();
+            self.travel.feed.end();
         }
         self.transition_to(State::Running, Acting::Nothing);
         true
@@ -136,8 +135,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
         self.drop_queue();
         self.supply.set_lost(true);
-        self.path = Path::Joints;
-        self.part = Part::WHOLE;
+        self.travel.path = Path::Joints;
+        self.travel.part = Part::WHOLE;
         self.begin();
         self.transition_to(State::Recovering, Acting::Nothing);
         true
@@ -153,17 +152,17 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         if let Some(cycle) = self.features.homing() {
             cycle.begin();
         }
-        self.silent = 0;
+        self.host.silent = 0;
         self.transition_to(State::Homing, Acting::Nothing);
     }
 
     /// At the start of a path, which starts at rest: normal speed at once.
     pub(super) fn begin(&mut self) {
-        self.position = PathPosition::START;
+        self.travel.position = PathPosition::START;
         self.features.begin_path();
-        self.feed.start();
-        self.held = false;
-        self.silent = 0;
+        self.travel.feed.start();
+        self.travel.held = false;
+        self.host.silent = 0;
     }
 
     fn hold(&mut self) {
@@ -173,13 +172,13 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
         match self.state {
             State::Running => {
-                self.held = true;
+                self.travel.held = true;
                 self.transition_to(State::Slowing, Acting::Hold);
             }
             // What it waits for changes: it does not go on by itself any more. A door outlasts it: the path was left without the tool.
             State::Slowing | State::Holding => {
-                self.held = true;
-                let acting = match self.left {
+                self.travel.held = true;
+                let acting = match self.job.left {
                     Some(_) => Acting::Door,
                     None => Acting::Hold,
                 };

@@ -55,7 +55,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         if !self.state.is_running() {
             return N::ZERO;
         }
-        let power = match &self.current {
+        let power = match &self.travel.current {
             Some(QueuedMove {
                 tool: Some(tool), ..
             }) => tool.power(setpoint),
@@ -145,7 +145,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         self.output.brake_released = false;
         self.supply.fail();
         if self.state != State::Fault {
-            if matches!(self.path, Path::Joints | Path::JointsEnded) || self.features.is_homing() {
+            if matches!(self.travel.path, Path::Joints | Path::JointsEnded)
+                || self.features.is_homing()
+            {
                 self.ends.recoveries.discard();
             }
             if let Some(cycle) = self.features.homing() {

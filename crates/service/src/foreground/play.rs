@@ -13,7 +13,8 @@ use trirrr_core::setpoint::Setpoint;
 use trirrr_protocol::message::{Acting, State};
 
 impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
-    /// One tick further; `started`: the path was begun in this tick, and this is its start.
+    /// Advances the path by one tick and returns its target. `started`: this is the first tick of a path, and the target is its
+    /// start.
     #[inline]
     pub(super) fn advance(&mut self, started: bool) -> Target<N> {
         self.finish_path();
@@ -24,21 +25,21 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             State::Idle => return Target::Setpoint(Self::standing(self.pose)),
             State::Fault if self.output.is_on() => return self.stand(),
             State::Fault | State::Cleared | State::Unhomed => return Target::Still,
-            State::Reacting if self.path == Path::None => return self.switch(),
+            State::Reacting if self.travel.path == Path::None => return self.switch(),
             State::Disabled | State::Enabling | State::Disabling => return self.switch(),
             State::Reacting if self.goes_back() => return self.go_back(),
             _ => {}
         }
         let step = if started {
-            self.feed.steady()
+            self.travel.feed.steady()
         } else {
             let step = self.step_length();
-            self.position = self.feed.take(step, self.position);
+            self.travel.position = self.travel.feed.take(step, self.travel.position);
             self.change_over();
             step
         };
         let target = self.target(step);
-        if self.feed.is_at_rest() {
+        if self.travel.feed.is_at_rest() {
             self.come_to_rest();
         }
         target
@@ -52,11 +53,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         match cycle.advance(&self.output.motors) {
             Progress::Moving(joints) => Target::Joints(joints),
             Progress::Done => {
-                self.path = Path::Joints;
-                self.part = Part::WHOLE;
+                self.travel.path = Path::Joints;
+                self.travel.part = Part::WHOLE;
                 self.begin();
                 self.transition_to(State::Recovering, Acting::Nothing);
-                self.target(self.feed.steady())
+                self.target(self.travel.feed.steady())
             }
             Progress::Stopped => {
                 self.ends.recoveries.discard();
@@ -78,7 +79,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Ends the path that was at its end a tick ago, unless more was queued in time.
     #[inline]
     fn finish_path(&mut self) {
-        match self.path {
+        match self.travel.path {
             Path::Ended => {
                 let stopping = matches!(self.state, State::Stopping | State::Reacting);
                 if !stopping && self.next_move().is_some() {
@@ -86,7 +87,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                     let enough = self.has_enough();
                     self.take_next();
                     if !enough {
-                        self.feed.end();
+                        self.travel.feed.end();
                         self.transition_to(State::Holding, Acting::QueueDry);
                     }
                     return;
@@ -95,17 +96,17 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                     return;
                 }
                 // Behind a door that was opened the end of the path was reached without the tool.
-                let acting = match stopping || self.left.is_some() {
+                let acting = match stopping || self.job.left.is_some() {
                     true => self.acting,
                     false => Acting::Nothing,
                 };
                 self.tell_left();
-                self.current = None;
+                self.travel.current = None;
                 self.features.end_moves();
-                self.path = Path::None;
-                self.position = PathPosition::START;
-                self.feed.end();
-                self.held = false;
+                self.travel.path = Path::None;
+                self.travel.position = PathPosition::START;
+                self.travel.feed.end();
+                self.travel.held = false;
                 if stopping {
                     self.drop_queue();
                 }
@@ -115,8 +116,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 if let Some(recovery) = self.ends.recoveries.receive() {
                     self.pose = recovery.to;
                 }
-                self.path = Path::None;
-                self.feed.end();
+                self.travel.path = Path::None;
+                self.travel.feed.end();
                 self.supply.set_lost(false);
                 self.rest_in(State::Idle, Acting::Nothing);
             }
@@ -128,9 +129,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// towards rest.
     #[inline]
     fn step_length(&mut self) -> Step {
-        let steady = self.feed.steady();
+        let steady = self.travel.feed.steady();
         let goes_on = self.state == State::Running && self.acting == Acting::Nothing;
-        match goes_on && self.feed.is_at_goal() && self.reaches(steady) {
+        match goes_on && self.travel.feed.is_at_goal() && self.reaches(steady) {
             true => steady,
             false => self.change_pace(),
         }
@@ -144,53 +145,55 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             State::Running => {
                 let faster = self.faster();
                 if self.reaches(faster) {
-                    if faster.slope == 0 && self.feed.is_at_goal() {
+                    if faster.slope == 0 && self.travel.feed.is_at_goal() {
                         self.transition_to(State::Running, Acting::Nothing);
                     }
                     return faster;
                 }
                 if !self.gets_no_more() {
                     self.transition_to(State::Slowing, Acting::QueueDry);
-                } else if let steady = self.feed.steady()
+                } else if let steady = self.travel.feed.steady()
                     && self.reaches(steady)
                 {
                     return steady;
                 }
             }
             State::Recovering => return self.faster(),
-            State::Holding if !self.held && self.has_enough() => {
+            State::Holding if !self.travel.held && self.has_enough() => {
                 self.transition_to(State::Running, Acting::Resume);
                 let faster = self.faster();
                 return match self.reaches(faster) {
                     true => faster,
-                    false => self.feed.steady(),
+                    false => self.travel.feed.steady(),
                 };
             }
-            State::Holding if !self.held => {
+            State::Holding if !self.travel.held => {
                 self.transition_to(State::Holding, Acting::QueueDry);
             }
             _ => {}
         }
-        self.across(|paces| self.feed.slower(paces))
+        self.across(|paces| self.travel.feed.slower(paces))
     }
 
     fn faster(&self) -> Step {
         // At its goal the pace does not change, whatever the rates.
-        match self.feed.is_at_goal() {
-            true => self.feed.steady(),
-            false => self.across(|paces| self.feed.faster(paces, self.position.part)),
+        match self.travel.feed.is_at_goal() {
+            true => self.travel.feed.steady(),
+            false => self.across(|paces| self.travel.feed.faster(paces, self.travel.position.part)),
         }
     }
 
     /// A step at the rates of this tick: where it goes over into another part, at the lesser ones of both.
     fn across(&self, step: impl Fn(&[Pace; 2]) -> Step) -> Step {
-        let Part { index, end, pace } = self.part;
-        let next = match &self.current {
+        let Part { index, end, pace } = self.travel.part;
+        let next = match &self.travel.current {
             Some(current) if end < self.clip(current.ticks) => Some(current.paces.of(index + 1)),
             _ => self.next_move().map(|next| next.paces.of(0)),
         };
         let paces = [pace, next.unwrap_or(pace)];
-        self.feed.across(self.position, end, paces, step)
+        self.travel
+            .feed
+            .across(self.travel.position, end, paces, step)
     }
 
     /// Room to stop in ahead of the whole tick of the position, see [`FeedScale::can_stop`]; none if a move ahead ends at
@@ -199,9 +202,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     fn room(&self) -> Option<impl Fn(usize) -> i32> {
         let ahead = self.ahead();
         // The end of the move under way counts, unless the path stands there.
-        let next = match self.path {
-            Path::Ended => self.begun,
-            _ => self.begun.wrapping_sub(1),
+        let next = match self.travel.path {
+            Path::Ended => self.job.begun,
+            _ => self.job.begun.wrapping_sub(1),
         };
         (!ahead.rests_from(next)).then_some(self.room_beyond(ahead))
     }
@@ -209,28 +212,33 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Room to stop in, whether the path rests or not.
     #[inline]
     fn room_beyond(&self, ahead: Ahead) -> impl Fn(usize) -> i32 {
-        let within = self.part.end.saturating_sub(self.position.tick);
+        let within = self
+            .travel
+            .part
+            .end
+            .saturating_sub(self.travel.position.tick);
         move |x: usize| {
-            let rate = self.part.pace.braking()[x];
-            self.passed.room.left(&ahead.room, x) + self.feed.room_measure().of(rate, within) as i32
+            let rate = self.travel.part.pace.braking()[x];
+            self.travel.passed.room.left(&ahead.room, x)
+                + self.travel.feed.room_measure().of(rate, within) as i32
         }
     }
 
     /// Returns `true` if the path could still come to rest on what is admitted.
     #[inline]
     fn reaches(&self, step: Step) -> bool {
-        let part = self.position.part;
+        let part = self.travel.position.part;
         self.room()
-            .is_none_or(|room| self.feed.can_stop(step, part, room))
+            .is_none_or(|room| self.travel.feed.can_stop(step, part, room))
     }
 
     /// Returns `true` if there is enough to leave a hold for. Enough is room for a ramp down from the pace that the host asks
     /// for, or all that can come.
     fn has_enough(&self) -> bool {
-        let part = self.position.part;
+        let part = self.travel.position.part;
         let enough = || {
             self.room()
-                .is_none_or(|room| self.feed.is_enough(part, room))
+                .is_none_or(|room| self.travel.feed.is_enough(part, room))
         };
         !self.waits_for_chain() && (self.gets_no_more() || enough())
     }
@@ -239,27 +247,31 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// tick, for a move has a tick at least.
     #[inline]
     fn change_over(&mut self) {
-        match self.path {
+        match self.travel.path {
             Path::Move => {
-                if self.position.tick < self.part.end {
+                if self.travel.position.tick < self.travel.part.end {
                     return;
                 }
-                let ticks = self.current.as_ref().map_or(0, |current| current.ticks);
-                if self.position.tick < self.clip(ticks) {
-                    self.begin_part(self.part.index + 1);
+                let ticks = self
+                    .travel
+                    .current
+                    .as_ref()
+                    .map_or(0, |current| current.ticks);
+                if self.travel.position.tick < self.clip(ticks) {
+                    self.begin_part(self.travel.part.index + 1);
                     return;
                 }
                 if self.change_to_chain() {
                     return;
                 }
-                if self.done != self.begun {
-                    self.done = self.begun;
+                if self.job.done != self.job.begun {
+                    self.job.done = self.job.begun;
                     self.unreported = true;
                 }
                 let more = self.next_move().is_some();
                 if self.rests_here(more) {
                     self.land(ticks);
-                    self.path = Path::Ended;
+                    self.travel.path = Path::Ended;
                 } else if more {
                     self.take_next();
                 }
@@ -271,9 +283,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                     .recoveries
                     .peek()
                     .map_or(0, |recovery| recovery.path.ticks());
-                if self.position.tick >= ticks {
+                if self.travel.position.tick >= ticks {
                     self.land(ticks);
-                    self.path = Path::JointsEnded;
+                    self.travel.path = Path::JointsEnded;
                 }
             }
             _ => {}
@@ -287,17 +299,21 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         let ahead = self.ahead();
         let stand = Step {
             parts: 0,
-            ..self.feed.steady()
+            ..self.travel.feed.steady()
         };
-        let part = self.position.part;
-        ahead.rests == self.begun
-            && !(more && self.feed.can_stop(stand, part, self.room_beyond(ahead)))
+        let part = self.travel.position.part;
+        ahead.rests == self.job.begun
+            && !(more
+                && self
+                    .travel
+                    .feed
+                    .can_stop(stand, part, self.room_beyond(ahead)))
     }
 
     /// A path that ends at rest ends there, even if the tick would have gone further.
     fn land(&mut self, tick: u32) {
-        self.position = PathPosition { tick, part: 0 };
-        self.feed.land();
+        self.travel.position = PathPosition { tick, part: 0 };
+        self.travel.feed.land();
     }
 
     /// The next move takes the place of the one that ended.
@@ -305,22 +321,26 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     // but few.
     #[inline(never)]
     fn take_next(&mut self) {
-        let ticks = self.current.as_ref().map_or(0, |current| current.ticks);
-        self.position.tick = self.position.tick.saturating_sub(ticks);
-        self.features.keep_move(self.current.as_ref(), ticks);
+        let ticks = self
+            .travel
+            .current
+            .as_ref()
+            .map_or(0, |current| current.ticks);
+        self.travel.position.tick = self.travel.position.tick.saturating_sub(ticks);
+        self.features.keep_move(self.travel.current.as_ref(), ticks);
         self.begin_next();
     }
 
-    /// Takes the next move out of its queue; whether there was one.
+    /// Takes the next move out of its queue. Returns false if there is none.
     pub(super) fn begin_next(&mut self) -> bool {
-        self.current = self.receive_move();
-        let Some(current) = &self.current else {
+        self.travel.current = self.receive_move();
+        let Some(current) = &self.travel.current else {
             return false;
         };
         let number = current.number;
-        self.features.begin_move(number, self.generation);
-        self.begun = number.wrapping_add(1);
-        self.path = Path::Move;
+        self.features.begin_move(number, self.job.generation);
+        self.job.begun = number.wrapping_add(1);
+        self.travel.path = Path::Move;
         self.begin_part(0);
         true
     }
@@ -328,35 +348,36 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Part `index` of the move begins.
     #[inline(never)]
     fn begin_part(&mut self, index: u32) {
-        let Some(current) = &self.current else {
+        let Some(current) = &self.travel.current else {
             return;
         };
         let begin = match index {
             0 => 0,
-            _ => self.part.end,
+            _ => self.travel.part.end,
         };
         let pace = current.paces.of(index);
         let end = self.clip(MovePaces::end_of(current.ticks, index));
-        self.part = Part { index, end, pace };
+        self.travel.part = Part { index, end, pace };
         if self.is_cut_ahead() {
             return;
         }
-        self.passed
-            .add(&pace, end - begin, &self.feed.room_measure());
+        self.travel
+            .passed
+            .add(&pace, end - begin, &self.travel.feed.room_measure());
     }
 
     /// Returns what this path position asks of the machine, at the speed after `step`.
     #[inline]
     fn target(&self, step: Step) -> Target<N> {
-        let position = self.position;
-        match self.path {
+        let position = self.travel.position;
+        match self.travel.path {
             Path::Move | Path::Ended => {
-                let Some(current) = &self.current else {
+                let Some(current) = &self.travel.current else {
                     return Target::Setpoint(Self::standing(self.pose));
                 };
                 let on_path = current.segment.between(position.tick, self.part());
                 // At normal speed the position is a whole tick, and the setpoint the segment's own.
-                if position.part == 0 && step.is_normal(&self.feed) {
+                if position.part == 0 && step.is_normal(&self.travel.feed) {
                     return Target::Setpoint(on_path);
                 }
                 Target::Setpoint(self.scaled(&on_path, step))
@@ -383,8 +404,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Part of a tick at which the path position is; none at a whole tick.
     #[inline]
     pub(super) fn part(&self) -> Option<N> {
-        let part = self.position.part;
-        (part != 0).then(|| N::fraction(part, &self.counts.part))
+        let part = self.travel.position.part;
+        (part != 0).then(|| N::fraction(part, &self.travel.counts.part))
     }
 
     /// u and u' after `step`.
@@ -393,16 +414,16 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             let levels = step.slope.unsigned_abs();
             PaceChange {
                 slope: match step.slope > 0 {
-                    true => self.slope,
-                    false => -self.slope,
+                    true => self.travel.slope,
+                    false => -self.travel.slope,
                 },
                 share: (levels != u32::from(FULL))
-                    .then(|| N::fraction(levels, &self.counts.change)),
+                    .then(|| N::fraction(levels, &self.travel.counts.change)),
             }
         });
-        let speed = match step.level == self.feed.top() {
+        let speed = match step.level == self.travel.feed.top() {
             true => N::ONE,
-            false => N::fraction(step.level, &self.counts.level),
+            false => N::fraction(step.level, &self.travel.counts.level),
         };
         (speed, change)
     }
@@ -431,7 +452,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         match self.state {
             State::Slowing => self.transition_to(State::Holding, self.acting),
             State::Stopping | State::Reacting => {
-                let on_path = matches!(self.path, Path::Move | Path::Ended);
+                let on_path = matches!(self.travel.path, Path::Move | Path::Ended);
                 if !on_path {
                     self.ends.recoveries.discard();
                 }

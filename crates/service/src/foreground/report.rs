@@ -19,16 +19,16 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         if !self.unreported || !self.ends.reports.has_room() {
             return;
         }
-        let (features, at) = (&self.features, self.position.tick);
+        let (features, at) = (&self.features, self.travel.position.tick);
         let report = TickReport {
             orders: self.orders_taken,
-            generation: self.generation,
+            generation: self.job.generation,
             state: self.state,
             acting: self.acting,
-            begun: self.begun,
-            done: self.done,
-            passed: self.passed.room,
-            interrupted: self.interrupted,
+            begun: self.job.begun,
+            done: self.job.done,
+            passed: self.travel.passed.room,
+            interrupted: self.job.interrupted,
             pose: self.pose,
             angles: self.output.motors.each_ref().map(|motor| motor.angle),
             splice: QuinticsOf::<S>::map(&features.splices, |all: &SplicePlayer<'_, _, _>| {
@@ -49,35 +49,35 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Every so many ticks a sample; where there is no room, one is lost and counted.
     #[inline]
     pub(super) fn sample(&mut self, setpoint: &Setpoint<N>) {
-        if self.every == 0 {
+        if self.sampling.every == 0 {
             return;
         }
-        if self.countdown > 0 {
-            self.countdown -= 1;
+        if self.sampling.countdown > 0 {
+            self.sampling.countdown -= 1;
             return;
         }
-        self.countdown = self.every - 1;
+        self.sampling.countdown = self.sampling.every - 1;
         let motors = &self.output.motors;
         let sample = Telemetry {
             tick: self.clock,
             state: self.state,
             acting: self.acting,
             number: self.number_under_way(),
-            at: self.position.tick,
-            part: self.position.part,
+            at: self.travel.position.tick,
+            part: self.travel.position.part,
             lost: self
                 .ends
                 .shared
                 .lost
                 .load(core::sync::atomic::Ordering::Relaxed),
-            fields: self.fields,
+            fields: self.sampling.fields,
             setpoint: *setpoint,
             angles: motors.each_ref().map(|motor| motor.angle),
             rates: motors.each_ref().map(|motor| motor.rate),
             accelerations: motors.each_ref().map(|motor| motor.acceleration),
             torques: motors.each_ref().map(|motor| motor.torque),
             tool: self.output.tool,
-            duration: self.duration,
+            duration: self.sampling.duration,
         };
         if !self.ends.samples.send(sample) {
             count(&self.ends.shared.lost);

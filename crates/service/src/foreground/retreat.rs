@@ -28,7 +28,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// Number of the move that the machine is on, or of the last one: on the way back, of one before.
     #[inline]
     pub(super) fn number_under_way(&self) -> u32 {
-        match &self.current {
+        match &self.travel.current {
             Some(current) if self.goes_back() => current.number,
             _ => self.number(),
         }
@@ -42,13 +42,13 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             .contact
             .get()
             .map_or(0, |contact| contact.retreat_ticks());
-        let whole = 2 * self.feed.top();
-        let PathPosition { tick, part } = self.position;
+        let whole = 2 * self.travel.feed.top();
+        let PathPosition { tick, part } = self.travel.position;
         let parts = u64::from(tick) * u64::from(whole) + u64::from(part);
-        let on_path = matches!(self.path, Path::Move | Path::Ended);
+        let on_path = matches!(self.travel.path, Path::Move | Path::Ended);
         let (Some(trail), Some(current), State::Reacting, true) = (
             self.features.trail.get_mut(),
-            &self.current,
+            &self.travel.current,
             self.state,
             on_path,
         ) else {
@@ -56,8 +56,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         };
         let begins = trail.begin(current, parts, ticks, whole);
         if begins {
-            self.path = Path::Move;
-            self.feed.end();
+            self.travel.path = Path::Move;
+            self.travel.feed.end();
         }
         begins
     }
@@ -79,10 +79,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             return Target::Setpoint(Self::standing(self.pose));
         };
         self.step_back(before + level);
-        let Some(current) = &self.current else {
+        let Some(current) = &self.travel.current else {
             return Target::Setpoint(Self::standing(self.pose));
         };
-        let mut on_path = current.segment.between(self.position.tick, self.part());
+        let mut on_path = current
+            .segment
+            .between(self.travel.position.tick, self.part());
         on_path.velocity = -on_path.velocity;
         let step = Step {
             level,
@@ -94,9 +96,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// Lowers the position by `parts`, at most a tick, into the move before where the one under way began.
     fn step_back(&mut self, parts: u32) {
-        let PathPosition { tick, part } = self.position;
+        let PathPosition { tick, part } = self.travel.position;
         if let Some(part) = part.checked_sub(parts) {
-            self.position.part = part;
+            self.travel.position.part = part;
             return;
         }
         let ticks = match tick {
@@ -108,17 +110,17 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                     .and_then(|trail| trail.take_last())
                 else {
                     // The way is not longer than the moves.
-                    self.position = PathPosition::START;
+                    self.travel.position = PathPosition::START;
                     return;
                 };
-                self.current = Some(passed.planned);
+                self.travel.current = Some(passed.planned);
                 passed.ticks
             }
             tick => tick,
         };
-        self.position = PathPosition {
+        self.travel.position = PathPosition {
             tick: ticks.saturating_sub(1),
-            part: (part + 2 * self.feed.top()).saturating_sub(parts),
+            part: (part + 2 * self.travel.feed.top()).saturating_sub(parts),
         };
     }
 }

@@ -19,7 +19,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         let order = splices.take_order();
         if splices.hides_queue {
             match self.ends.moves.peek() {
-                Some(next) if next.generation != self.generation => self.ends.moves.discard(),
+                Some(next) if next.generation != self.job.generation => self.ends.moves.discard(),
                 _ => splices.hides_queue = false,
             }
         }
@@ -35,7 +35,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             SpliceOrder::Locate => return,
             SpliceOrder::Cut(cut) => cut,
             SpliceOrder::Withdraw => {
-                let stands = self.state == State::Holding && self.feed.is_at_rest();
+                let stands = self.state == State::Holding && self.travel.feed.is_at_rest();
                 if let Some(splices) = self.features.splices.get_mut() {
                     splices.withdraw(stands);
                 }
@@ -48,8 +48,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         }
         if accepted {
             // From now on the path leads into the chain: what counts is the room there.
-            self.passed = RoomCount::NOTHING;
-            self.part.end = self.clip(self.part.end);
+            self.travel.passed = RoomCount::NOTHING;
+            self.travel.part.end = self.clip(self.travel.part.end);
         }
     }
 
@@ -63,27 +63,29 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         let is_first = splices.pending().is_none() || splices.is_withdrawn();
         let Place { number, tick } = cut.at;
         let is_ahead = match number.wrapping_sub(self.number()) as i32 {
-            0 => self.position.tick < tick,
+            0 => self.travel.position.tick < tick,
             later => later > 0,
         };
         let rests = || cut.ahead.rests_from(cut.first);
         let stops = || {
             let room = |x: usize| Room::NONE.left(&cut.ahead.room, x);
-            let part = self.position.part;
-            self.feed.can_stop(self.feed.steady(), part, room)
+            let part = self.travel.position.part;
+            self.travel
+                .feed
+                .can_stop(self.travel.feed.steady(), part, room)
         };
         moves
             && is_first
             && is_ahead
-            && self.path == Path::Move
-            && cut.generation == self.generation
+            && self.travel.path == Path::Move
+            && cut.generation == self.job.generation
             && (rests() || stops())
     }
 
     /// Number of the move under way, or of the last one.
     #[inline]
     pub(super) fn number(&self) -> u32 {
-        self.begun.wrapping_sub(1)
+        self.job.begun.wrapping_sub(1)
     }
 
     /// A tick of the move under way, or that of the cut where it comes first.
@@ -149,12 +151,12 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     #[inline(never)]
     fn begin_chain(&mut self, tick: u32) {
-        self.generation = self.generation.wrapping_add(1);
+        self.job.generation = self.job.generation.wrapping_add(1);
         // The part of a tick goes on.
-        self.position.tick = self.position.tick.saturating_sub(tick);
-        self.features.keep_move(self.current.as_ref(), tick);
+        self.travel.position.tick = self.travel.position.tick.saturating_sub(tick);
+        self.features.keep_move(self.travel.current.as_ref(), tick);
         self.begin_next();
-        self.done = self.number();
+        self.job.done = self.number();
         self.unreported = true;
     }
 
@@ -186,7 +188,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     #[inline]
     pub(super) fn ahead(&self) -> Ahead {
         let own = self.features.splices.get();
-        own.and_then(|splices| splices.ahead(self.generation))
+        own.and_then(|splices| splices.ahead(self.job.generation))
             .unwrap_or_else(|| self.ends.shared.ahead())
     }
 }

@@ -336,7 +336,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         // What pushes the machine may push it on during the stop, and while the drives hold it: no second fault.
         let torques_are_known = match self.state {
             State::Idle | State::Running | State::Slowing | State::Holding => true,
-            State::Stopping => matches!(self.path, Path::Move | Path::Ended),
+            State::Stopping => matches!(self.travel.path, Path::Move | Path::Ended),
             _ => false,
         };
         let felt = match (self.features.contact.get_mut(), watch.readings()) {

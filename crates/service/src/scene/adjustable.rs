@@ -2,9 +2,9 @@
 
 use super::{Changed, Machine, NoImage, Scene};
 use crate::coefficients::{Coefficients, allow_jerk};
+use crate::curves::PlayedCurves;
 use crate::feature::On;
 use crate::number::ServiceNumber;
-use crate::offered::PlayedCurves;
 use crate::planner::PathPlanner;
 use crate::settings::Settings;
 use core::f64::consts::PI;

@@ -3,8 +3,8 @@
 use super::{Changed, Machine};
 use crate::admission::Enclose;
 use crate::coefficients::Coefficients;
+use crate::curves::PlayedCurves;
 use crate::number::ServiceNumber;
-use crate::offered::PlayedCurves;
 use crate::planner::PathPlanner;
 use crate::settings::Settings;
 use core::marker::PhantomData;

@@ -20,9 +20,9 @@ pub use update::{ImageSlot, NoImage, check_image};
 pub use values::{SceneValues, StepperValues, needs_of_model};
 
 use crate::coefficients::Coefficients;
+use crate::curves::PlayedCurves;
 use crate::feature::{Feature, Memory, Of};
 use crate::number::ServiceNumber;
-use crate::offered::PlayedCurves;
 use crate::planner::PathPlanner;
 use crate::queue::{Receiver, Sender};
 use crate::settings::Settings;

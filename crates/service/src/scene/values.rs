@@ -2,10 +2,10 @@
 
 use super::{Adjustable, Machine};
 use crate::contact::ContactParameters;
+use crate::curves::PlayedCurves;
 use crate::feedback::{FeedbackCoefficients, FeedbackParameters};
 use crate::homing::{HomingMotor, HomingParameters};
 use crate::number::ServiceNumber;
-use crate::offered::PlayedCurves;
 use crate::pace::Ramp;
 use crate::planner::{PathPlanner, Planning};
 use crate::settings::{PowerTimes, Reactions, SceneIdentity, Settings};
