@@ -96,12 +96,12 @@ const MARKS: &[Mark] = &[
     },
     Mark {
         what: "homing",
-        names: &["5Cycle"],
+        names: &["5Cycle", "14HomingSwitches"],
         used: |scene| scene.homing.is_some(),
     },
     Mark {
         what: "interlocks",
-        names: &["10Interlocks"],
+        names: &["10Interlocks", "13GuardedInputs"],
         used: |scene| scene.inputs.are_named(),
     },
     Mark {
@@ -111,22 +111,22 @@ const MARKS: &[Mark] = &[
     },
     Mark {
         what: "spare outputs or inputs",
-        names: &["13DigitalPlayer"],
+        names: &["13DigitalPlayer", "12SpareOutputs"],
         used: |scene| scene.spare_pins.are_named(),
     },
     Mark {
         what: "a probe",
-        names: &["10ProbeLatch"],
+        names: &["10ProbeLatch", "11apply_probe"],
         used: |scene| scene.inputs.interlocks.probe.is_some(),
     },
     Mark {
         what: "power lists",
-        names: &["10MoveLevels"],
+        names: &["10MoveLevels", "11LevelPlayer"],
         used: |scene| scene.service.power_lists > 0,
     },
     Mark {
         what: "a scene that clients may change",
-        names: &["10Adjustable"],
+        names: &["10Adjustable", "10background5parts"],
         used: |scene| scene.service.adjustable,
     },
     Mark {
@@ -136,12 +136,12 @@ const MARKS: &[Mark] = &[
     },
     Mark {
         what: "feedback",
-        names: &["10DriveWatch"],
+        names: &["10DriveWatch", "12sends_drives"],
         used: |scene| scene.feedback.is_some(),
     },
     Mark {
         what: "contact detection",
-        names: &["12ContactModel"],
+        names: &["12ContactModel", "12ContactWatch"],
         used: |scene| scene.contact.is_some(),
     },
     Mark {
