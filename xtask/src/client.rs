@@ -373,11 +373,14 @@ mod tests {
     }
 
     /// Fails if `some` has a package that `all` does not have with the same features, but for `own`.
-    fn assert_part(some: &BTreeSet<String>, all: &BTreeSet<String>, own: &str, advice: &str) {
-        let others: Vec<_> = some
-            .difference(all)
-            .filter(|line| !line.starts_with(own))
-            .collect();
+    fn assert_part(
+        some: &BTreeSet<String>,
+        all: &BTreeSet<String>,
+        own: Option<&str>,
+        advice: &str,
+    ) {
+        let is_other = |line: &&String| own.is_none_or(|own| !line.starts_with(own));
+        let others: Vec<_> = some.difference(all).filter(is_other).collect();
         assert!(others.is_empty(), "{advice}: {others:#?}");
     }
 
@@ -392,10 +395,20 @@ mod tests {
         assert_part(
             &package,
             &all,
-            "trirrr-python ",
+            Some("trirrr-python "),
             "add to the feature `shared` of clients/python/native, or take from it, what makes these different",
         );
         assert!(package.len() > 50, "{package:#?}");
+    }
+
+    /// Programs and docs are compiled without what tests alone ask for.
+    #[test]
+    fn the_programs_ask_of_libraries_what_the_tests_do() {
+        let all = compiled(choose_host, EDGES);
+        let programs = compiled(choose_host, "normal,build");
+        let advice = "packages.rs: choose_host has to ask for what makes these different";
+        assert_part(&programs, &all, None, advice);
+        assert!(programs.len() > 50, "{programs:#?}");
     }
 
     /// The bench is compiled beside the tests, too: without its emulator nothing else is compiled once more.
@@ -410,7 +423,7 @@ mod tests {
         assert_part(
             &all,
             &with_emulator,
-            "trirrr-mcu-bench ",
+            Some("trirrr-mcu-bench "),
             "tests/mcu-bench/Cargo.toml: ask for these with the features that the emulator asks for",
         );
         assert!(with_emulator.len() > all.len(), "there is no emulator");

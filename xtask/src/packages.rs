@@ -33,9 +33,10 @@ pub(crate) const BARE_PACKAGES: [&str; 4] = [
 ];
 
 /// Adds to `cargo` the choice of every package that is for a host. All at once, so that their common
-/// dependencies are compiled once: packages that are chosen one by one ask for different features of them.
+/// dependencies are compiled once: packages that are chosen one by one ask for different features of them. With all commands, which the
+/// tests ask for: else programs and docs would have all libraries compiled again.
 pub(crate) fn choose_host(cargo: &mut Command) {
-    cargo.arg("--workspace");
+    cargo.args(["--workspace", "--features", "full"]);
     let device = DEVICE_PACKAGES.iter().map(|(package, _)| package);
     for package in device.chain(&NIGHTLY_PACKAGES) {
         cargo.args(["--exclude", package]);
