@@ -28,7 +28,7 @@ pub struct Case {
 /// optimises.
 pub const fn share(cases: u32) -> u32 {
     match cfg!(debug_assertions) {
-        true => cases.div_ceil(4),
+        true => cases.div_ceil(10),
         false => cases,
     }
 }

@@ -14,11 +14,12 @@ use trirrr_protocol::message::Move;
 use trirrr_service::Ramp;
 use trirrr_service::admission::{AngleModel, TaylorModel};
 use trirrr_tests::draw::{Draw, machines, within_a_turn};
+use trirrr_tests::random::share;
 
 type Wide = TaylorModel<f32>;
 
 /// Random moves, and instants of each.
-const MOVES: usize = 1000;
+const MOVES: usize = share(4000) as usize;
 const SAMPLES: u32 = 64;
 
 struct Visit<'a> {

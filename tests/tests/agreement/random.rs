@@ -1,4 +1,4 @@
-//! 10,000 random machines in random states, a quarter of them in a build without optimisation, away from singularities.
+//! 10,000 random machines in random states, a tenth of them in a build without optimisation, away from singularities.
 
 use crate::bounds::Stages;
 use crate::format::{Format, results};
@@ -66,7 +66,8 @@ fn f32_agrees() {
         beyond <= 10 && (beyond > 0 || cfg!(debug_assertions)),
         "{beyond}"
     );
-    let brackets = [(0.7, 1.0), (0.6, 0.9), (0.8, 1.0), (2.2, 3.0)];
+    let least_torque = if cfg!(debug_assertions) { 1.4 } else { 2.2 };
+    let brackets = [(0.7, 1.0), (0.6, 0.9), (0.8, 1.0), (least_torque, 3.0)];
     found.worst.assert_within("f32, random machines", brackets);
 }
 

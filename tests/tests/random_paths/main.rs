@@ -14,6 +14,10 @@ use std::thread;
 use std::time::Instant as Clock;
 use trirrr_scene::{NumberType, Scene};
 use trirrr_tests::draw::{Draw, machines};
+use trirrr_tests::random::share;
+
+/// Instants of each path that are judged.
+const SAMPLES: u32 = share(5_000);
 
 fn jobs(seed: u64) -> impl Iterator<Item = DrawnJob> {
     let mut numbers = Draw::new(seed);
@@ -135,7 +139,7 @@ fn study(paths: usize, samples: u32) {
 
 #[test]
 fn random_paths_keep_limits_and_path() {
-    study(40, 2_000);
+    study(share(200) as usize, SAMPLES);
 }
 
 /// Numbers of paths that were once refused, or left by the moves, of two seeds: where alpha turns back within a
@@ -148,7 +152,7 @@ const ONCE_MISSED: [&[usize]; 2] = [
 
 fn plan_missed(seed: u64, numbers: &[usize]) {
     let most = numbers.iter().max().expect("a number") + 1;
-    let tally = tally(seed, |index| numbers.contains(&index), most, 2_000);
+    let tally = tally(seed, |index| numbers.contains(&index), most, SAMPLES);
     assert_eq!(tally.refused, [""; 0]);
     for findings in &tally.findings {
         let parts = [

@@ -11,6 +11,7 @@ use trirrr_core::setpoint::Setpoint;
 use trirrr_protocol::message::Bounded;
 use trirrr_service::admission::{Blocked, Retarget, Retargeted};
 use trirrr_tests::instant::{Coordinates, Instant, State};
+use trirrr_tests::random::share;
 
 const START: Coordinates = [0.25, 0.27, 0.3];
 
@@ -119,7 +120,7 @@ fn a_moving_target_is_followed() {
     let mut state = at(START, [0.0; 3]);
     let mut follow = retarget(&state, &state);
     let (mut farthest, mut most) = (0.0f64, 0.0f64);
-    for step in 0..1500 {
+    for step in 0..share(4000) {
         let (sin, cos) = (f64::from(step) * 0.02 * 1.5).sin_cos();
         let pose = [0.25 + 0.04 * cos, 0.27 + 0.04 * sin, 0.3 + 0.1 * sin];
         let target = at(pose, [-0.06 * sin, 0.06 * cos, 0.15 * cos]);

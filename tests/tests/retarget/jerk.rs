@@ -9,6 +9,7 @@ use trirrr_protocol::message::QuinticMove;
 use trirrr_service::admission::{Retarget, Retargeted};
 use trirrr_tests::draw::{Draw, machines};
 use trirrr_tests::instant::{QuinticEnds, State, jerks};
+use trirrr_tests::random::share;
 
 /// Counts of a machine's retargets.
 #[derive(Default)]
@@ -121,7 +122,7 @@ fn retargets_keep_limits_of_jerk() {
     let mut all = Tally::default();
     let settings =
         machines(73).filter_map(|case| Setting::draw(&case, &mut Draw::new(case.size.to_bits())));
-    for setting in settings.take(25) {
+    for setting in settings.take(share(80) as usize) {
         let acceleration = setting.limits.acceleration_rad_s2.unwrap_or([100.0; 3]);
         let per_time = draw.log_within(3.0, 300.0);
         let mut limited = setting.clone();

@@ -11,6 +11,7 @@ use drawn::Setting;
 use session::{Session, Tally};
 use std::thread;
 use trirrr_tests::draw::{Draw, machines};
+use trirrr_tests::random::share;
 
 fn tally(seed: u64, sessions: usize, count: u32, samples: u32) -> Tally {
     let mut draw = Draw::new(seed);
@@ -74,7 +75,7 @@ fn study(sessions: usize, count: u32, samples: u32, unconfirmed: usize) {
 
 #[test]
 fn no_random_retarget_fails() {
-    study(20, 50, 100, 0);
+    study(share(100) as usize, 50, 100, 0);
 }
 
 #[test]

@@ -1,5 +1,5 @@
 use super::*;
-use crate::forward::random::{any, deterministic};
+use crate::forward::random::{any, deterministic, share};
 use crate::machine::{Geometry, example};
 use crate::setpoint::RestToRest;
 use core::cell::Cell;
@@ -72,8 +72,8 @@ fn by_small_steps(
 fn never_ends_in_another_mode() {
     let (sure, unsure, jumps) = (Cell::new(0), Cell::new(0), Cell::new(0));
     let motion = uniform3(-0.5..0.5f64);
-    // A fifth of them without optimisation: each is followed in 2000 steps besides.
-    let cases = if cfg!(debug_assertions) { 800 } else { 4000 };
+    // Each is followed in 2000 steps besides.
+    let cases = share(4000);
     deterministic(cases, (any(), motion), |(case, motion)| {
         let forward = case.forward();
         let tracker = Tracker::new(forward, 0.01, 200);

@@ -104,7 +104,7 @@ mod parameters;
 mod placement;
 mod qr;
 #[cfg(test)]
-mod random;
+pub(crate) mod random;
 #[cfg(feature = "std")]
 pub mod scene;
 #[cfg(test)]

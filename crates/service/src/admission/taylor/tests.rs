@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::admission::Enclose;
+use crate::tests::share;
 use core::cmp::Ordering;
 use nalgebra::Vector2;
 use proptest::prelude::*;
@@ -118,7 +119,7 @@ fn directions<N: Enclose, T: Number>((x, at_x): Drawn, (y, at_y): Drawn) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(20_000))]
+    #![proptest_config(ProptestConfig::with_cases(share(20_000)))]
 
     #[test]
     fn results_are_held(x in drawn(), y in drawn()) {
@@ -228,7 +229,7 @@ impl Moving {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(20_000))]
+    #![proptest_config(ProptestConfig::with_cases(share(20_000)))]
 
     #[test]
     fn narrow_links_hold_the_true_ones(moving in moving()) {

@@ -1,6 +1,7 @@
 //! Against binary64, whose own rounding is an eighth of u^2 of the result, and against known digits.
 
 use super::*;
+use crate::tests::share;
 use proptest::prelude::*;
 
 /// u^2.
@@ -27,7 +28,7 @@ fn near(what: &str, found: TwoWord, truth: f64, most: f64) {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(20_000))]
+    #![proptest_config(ProptestConfig::with_cases(share(20_000)))]
 
     #[test]
     fn operations_are_within_their_bounds(x in number(), y in number()) {
