@@ -55,3 +55,47 @@ pub fn checksum_behind(before: u32, bytes: &[u8]) -> u32 {
     digest.update(bytes);
     digest.finalize()
 }
+
+/// Defines the program of a boot loader: the module of its chip, its [`Layout`], and Cargo's alias that builds it. All failures start it anew.
+#[macro_export]
+macro_rules! loader {
+    ($chip:ident, $layout:ident, $command:literal) => {
+        #[cfg(target_os = "none")]
+        #[allow(unsafe_code)]
+        mod loader {
+            use cortex_m::peripheral::SCB;
+            use $crate::$chip::ChipFlash;
+
+            #[cortex_m_rt::entry]
+            fn main() -> ! {
+                // SAFETY: the only one, and the boot loader lies in front of all slots. It has come from a reset.
+                unsafe { $crate::start::start(ChipFlash::take(), &$crate::Layout::$layout) }
+            }
+
+            #[cortex_m_rt::exception]
+            unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
+                SCB::sys_reset()
+            }
+
+            #[cortex_m_rt::exception]
+            unsafe fn DefaultHandler(_: i16) -> ! {
+                SCB::sys_reset()
+            }
+
+            #[panic_handler]
+            fn panic(_: &core::panic::PanicInfo) -> ! {
+                SCB::sys_reset()
+            }
+        }
+
+        #[cfg(not(target_os = "none"))]
+        fn main() {
+            eprintln!(concat!(
+                "the boot loader is for a board: build it with `",
+                $command,
+                "`"
+            ));
+            std::process::exit(2);
+        }
+    };
+}

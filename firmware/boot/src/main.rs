@@ -2,40 +2,4 @@
 //! reset leaves them, the causes of the reset and the RAM included; but for the watchdog, which runs, and behind a write to the flash the detector of the supply.
 #![cfg_attr(target_os = "none", no_std, no_main)]
 
-#[cfg(target_os = "none")]
-mod loader {
-    #![allow(unsafe_code)]
-
-    use cortex_m::peripheral::SCB;
-    use trirrr_boot::Layout;
-    use trirrr_boot::start::start;
-    use trirrr_boot::stm32f405::ChipFlash;
-
-    #[cortex_m_rt::entry]
-    fn main() -> ! {
-        const LAYOUT: Layout = Layout::STM32F405;
-        // SAFETY: the only one, and the boot loader lies in front of all slots. It has come from a reset.
-        unsafe { start(ChipFlash::take(), &LAYOUT) }
-    }
-
-    #[cortex_m_rt::exception]
-    unsafe fn HardFault(_: &cortex_m_rt::ExceptionFrame) -> ! {
-        SCB::sys_reset()
-    }
-
-    #[cortex_m_rt::exception]
-    unsafe fn DefaultHandler(_: i16) -> ! {
-        SCB::sys_reset()
-    }
-
-    #[panic_handler]
-    fn panic(_: &core::panic::PanicInfo) -> ! {
-        SCB::sys_reset()
-    }
-}
-
-#[cfg(not(target_os = "none"))]
-fn main() {
-    eprintln!("the boot loader is for a board: build it with `cargo fw-boot`");
-    std::process::exit(2);
-}
+trirrr_boot::loader!(stm32f405, STM32F405, "cargo fw-boot");
