@@ -7,13 +7,23 @@ use std::{env, process};
 /// Folder of the memory of an image behind the boot loader, of a board that has one.
 const UPDATED: &str = "updated";
 
-/// Boards: package, Rust target, and linker script.
-const BOARDS: [(&str, &str, &str); 3] = [
-    // From cortex-m-rt. It includes the `memory.x` of the root, which includes the `regions.x` of the package.
-    ("trirrr-stm32f405", "thumbv7em-none-eabihf", "link.x"),
-    ("trirrr-stm32g474", "thumbv7em-none-eabihf", "link.x"),
+/// Firmware of a chip: its package, Rust target, and linker script. A package of several chips has a feature for each.
+const FIRMWARE: [(&str, &str, &str, &str); 3] = [
+    // From cortex-m-rt. It includes the `memory.x` of the root, which includes the `regions.x` of the chip.
+    (
+        "stm32f405",
+        "trirrr-stm32",
+        "thumbv7em-none-eabihf",
+        "link.x",
+    ),
+    (
+        "stm32g474",
+        "trirrr-stm32",
+        "thumbv7em-none-eabihf",
+        "link.x",
+    ),
     // A whole one of its own: cortex-m-rt has none for a second stage.
-    ("trirrr-rp2040", "thumbv6m-none-eabi", "rp2040.x"),
+    ("rp2040", "trirrr-rp2040", "thumbv6m-none-eabi", "rp2040.x"),
 ];
 
 fn main() {
@@ -26,58 +36,59 @@ fn main() {
 
 fn build() -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-changed=../build.rs");
+    let of_app = |name: &str| env::var(format!("DEP_TRIRRR_APP_{}", name.to_uppercase()));
     for name in ["drive", "tool"] {
-        let of_app = format!("DEP_TRIRRR_APP_{}", name.to_uppercase());
-        let kinds = env::var(format!("{of_app}S"))?;
+        let kinds = of_app(&format!("{name}s"))?;
         println!("cargo:rustc-check-cfg=cfg({name}, values({kinds}))");
-        println!("cargo:rustc-cfg={name}={:?}", env::var(of_app)?);
+        println!("cargo:rustc-cfg={name}={:?}", of_app(name)?);
     }
-    // Something that a failure has to switch off: drives, a tool or spare outputs.
-    println!("cargo:rustc-check-cfg=cfg(outputs)");
-    let has = |name: &str| env::var(name).is_ok_and(|kind| kind != "none");
-    let has_spare = env::var_os("DEP_TRIRRR_APP_DIGITAL").is_some();
-    if has("DEP_TRIRRR_APP_DRIVE") || has("DEP_TRIRRR_APP_TOOL") || has_spare {
-        println!("cargo:rustc-cfg=outputs");
-    }
-    for name in [
-        "homing",
-        "brake",
-        "lamp",
-        "digital",
-        "feedback",
-        "interlocks",
-        "estop",
-        "door",
-        "update",
-    ] {
+    let set = |name: &str, is_set: bool| {
         println!("cargo:rustc-check-cfg=cfg({name})");
-        if env::var_os(format!("DEP_TRIRRR_APP_{}", name.to_uppercase())).is_some() {
+        if is_set {
             println!("cargo:rustc-cfg={name}");
         }
+    };
+    let (drive, tool) = (of_app("drive")?, of_app("tool")?);
+    // Drives on a CAN bus.
+    set("bus", matches!(drive.as_str(), "odrive" | "mit" | "moteus"));
+    // Something that a failure has to switch off: drives, a tool or spare outputs.
+    let has_spare = of_app("digital").is_ok();
+    set("outputs", drive != "none" || tool != "none" || has_spare);
+    for name in ["homing", "brake", "lamp", "digital", "interlocks", "update"] {
+        set(name, of_app(name).is_ok());
     }
-    if env::var("CARGO_CFG_TARGET_OS")? == "none" {
-        let root = Path::new(&env::var("CARGO_MANIFEST_DIR")?).join("../../..");
-        trirrr_image::board::build_script(&env::var("CARGO_PKG_NAME")?, &root)?;
-        link()?;
+    let (package, target) = (env::var("CARGO_PKG_NAME")?, env::var("TARGET")?);
+    // What all boards share has no pins of its own.
+    let is_board = FIRMWARE.iter().any(|(_, of, _, _)| *of == package);
+    if is_board && env::var("CARGO_CFG_TARGET_OS")? == "none" {
+        let here = env::var("CARGO_MANIFEST_DIR")?;
+        let is_chosen = |chip: &str| {
+            let feature = format!("CARGO_FEATURE_{}", chip.to_uppercase());
+            package == format!("trirrr-{chip}") || env::var_os(feature).is_some()
+        };
+        let (chip, _, _, script) = FIRMWARE
+            .iter()
+            .find(|(chip, of, on, _)| *of == package && *on == target && is_chosen(chip))
+            .ok_or_else(|| {
+                format!("{package} has no firmware for {target}, or no feature that names the chip")
+            })?;
+        trirrr_image::board::build_script(chip, &Path::new(&here).join("../../.."))?;
+        link(Path::new(&here), chip, script)?;
     }
     Ok(())
 }
 
-fn link() -> Result<(), Box<dyn Error>> {
-    let (package, target) = (env::var("CARGO_PKG_NAME")?, env::var("TARGET")?);
-    let (_, _, script) = BOARDS
-        .iter()
-        .find(|(of, on, _)| *of == package && *on == target)
-        .ok_or_else(|| format!("{package} is for another board than {target}"))?;
+/// Tells the linker about the memory of the chip.
+fn link(here: &Path, chip: &str, script: &str) -> Result<(), Box<dyn Error>> {
     let is_updated = env::var_os("DEP_TRIRRR_APP_UPDATE").is_some();
-    let here = env::var("CARGO_MANIFEST_DIR")?;
-    if is_updated && !Path::new(&here).join(UPDATED).exists() {
+    let folder = here.join(chip);
+    if is_updated && !folder.join(UPDATED).exists() {
         return Err(format!(
-            "update = true in [service]: {package} has no boot loader; boards with an STM32F405 or an STM32G474 have one"
+            "update = true in [service]: the {chip} has no boot loader; boards with an STM32F405 or an STM32G474 have one"
         )
         .into());
     }
-    let own = Path::new(&here).join(script);
+    let own = here.join(script);
     let script = match own.exists() {
         true => {
             println!("cargo:rerun-if-changed={}", own.display());
@@ -86,15 +97,18 @@ fn link() -> Result<(), Box<dyn Error>> {
             own.display().to_string()
         }
         false => {
-            println!("cargo:rerun-if-changed={here}/../../../memory.x");
+            println!(
+                "cargo:rerun-if-changed={}/../../../memory.x",
+                here.display()
+            );
             // `regions.x`, which `memory.x` includes.
             let regions = match is_updated {
-                true => Path::new(&here).join(UPDATED),
-                false => Path::new(&here).to_path_buf(),
+                true => folder.join(UPDATED),
+                false => folder,
             };
             println!("cargo:rerun-if-changed={}/regions.x", regions.display());
             println!("cargo:rustc-link-search={}", regions.display());
-            (*script).to_owned()
+            script.to_owned()
         }
     };
     let script = format!("-T{script}");

@@ -3,6 +3,7 @@
 use crate::boards::FIRMWARE_TARGET;
 use crate::elf::{Footprint, Memory, check_boot, footprint, with_elf};
 use crate::image::{Image, PROFILE};
+use crate::packages::{DevicePackage, STM32F405, STM32G474};
 use crate::repository::{cargo, target_directory};
 use anyhow::{Context, Result, ensure};
 use std::path::PathBuf;
@@ -11,15 +12,15 @@ use std::path::PathBuf;
 const ROOM: u64 = 16 * 1024;
 
 /// Boot loader: chip, program, and the package of the images that it starts.
-const LOADERS: [(&str, &str, &str); 2] = [
-    ("STM32F405", "trirrr-boot", "trirrr-stm32f405"),
-    ("STM32G474", "trirrr-boot-g474", "trirrr-stm32g474"),
+const LOADERS: [(&str, &str, DevicePackage); 2] = [
+    ("STM32F405", "trirrr-boot", STM32F405),
+    ("STM32G474", "trirrr-boot-g474", STM32G474),
 ];
 
 pub(crate) fn run() -> Result<()> {
     build_loaders()?;
     for (chip, program, package) in LOADERS {
-        let memory = Image::memory_of(package);
+        let memory = package.memory();
         let memory = Memory {
             flash: (memory.flash.0, ROOM),
             ..memory
@@ -39,7 +40,8 @@ pub(crate) fn build_for(image: &Image) -> Result<PathBuf> {
     let of = LOADERS
         .iter()
         .find(|(_, _, package)| *package == image.package);
-    let (_, program, _) = of.with_context(|| format!("{}: no boot loader", image.package))?;
+    let (_, program, _) =
+        of.with_context(|| format!("{}: no boot loader", image.package.title()))?;
     Ok(built(program))
 }
 

@@ -5,7 +5,9 @@ use crate::boards::{FIRMWARE_TARGET, G474_SCENE, RP2040_SCENE};
 use crate::client::cleared;
 use crate::cores::CORES;
 use crate::image::{PROFILE, RUN_BEGAN};
-use crate::packages::{BARE_PACKAGES, DEVICE_PACKAGES, Package};
+use crate::packages::{
+    BARE_PACKAGES, DEVICE_PACKAGES, DevicePackage, Package, RP2040, STM32F405, STM32G474,
+};
 use crate::page;
 use crate::programs::Programs;
 use crate::repository::{root, target_directory};
@@ -132,34 +134,32 @@ fn lints() -> Result<[Step; 5]> {
 }
 
 fn lints_of_devices() -> Vec<Step> {
-    let lint = |(package, target): (&str, &str)| {
-        let mut step = Step::cargo(format!("lints of {package}"), &["clippy", "--quiet"]);
+    let lint = |package: DevicePackage| {
+        let name = format!("lints of {}", package.title());
         // The profile of images: their build scripts are compiled once.
-        step.command
-            .args(["--profile", PROFILE, "-p", package, "--target", target]);
+        let mut step = Step::cargo(name, &["clippy", "--quiet", "--profile", PROFILE]);
+        package.choose(&mut step.command);
         step.command.args(["--", "-Dwarnings"]);
         // Scenes with drives: without them there is less to check.
         match package {
-            "trirrr-rp2040" => _ = step.command.env("SCENE", RP2040_SCENE),
-            "trirrr-stm32g474" => _ = step.command.env("SCENE", G474_SCENE),
+            RP2040 => _ = step.command.env("SCENE", RP2040_SCENE),
+            STM32G474 => _ = step.command.env("SCENE", G474_SCENE),
             _ => {}
         }
         step
     };
     let mut lints: Vec<Step> = DEVICE_PACKAGES.map(lint).into();
     // Built for a host, too: its logic is tested there.
-    lints.push(lint(("trirrr-boot", FIRMWARE_TARGET)));
+    lints.push(lint(DevicePackage::of("trirrr-boot", FIRMWARE_TARGET)));
     // Pins on other ports than the default board's, of a scene with steppers, homing and a tool.
-    let mut other_board = lint(("trirrr-stm32f405", FIRMWARE_TARGET));
+    let mut other_board = lint(STM32F405);
     other_board.name += " for another board";
     other_board.command.env("BOARD", "feather-f405");
     other_board.command.env("SCENE", "scenes/pick-home.toml");
     lints.push(other_board);
     // Lines over USB: of a scene whose drives are at none of its pins.
-    let is_board =
-        |(package, _): &&(&str, &str)| !matches!(*package, "trirrr-app" | "trirrr-insns");
-    lints.extend(DEVICE_PACKAGES.iter().filter(is_board).map(|of| {
-        let mut usb = lint(*of);
+    lints.extend([STM32F405, STM32G474, RP2040].map(|of| {
+        let mut usb = lint(of);
         usb.name += " with a line over USB";
         usb.command
             .env("LINE", "usb")

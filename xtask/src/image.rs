@@ -1,7 +1,8 @@
 //! Builds images for microcontrollers, by scene, number type and target.
 
-use crate::boards::{FIRMWARE_MEMORY, FIRMWARE_TARGET, G474_MEMORY, RP2040_MEMORY, RP2040_TARGET};
+use crate::boards::{FIRMWARE_TARGET, RP2040_TARGET};
 use crate::elf::Memory;
+use crate::packages::{DevicePackage, RP2040, STM32F405, STM32G474};
 use crate::repository::{SceneFile, cargo, target_directory};
 use anyhow::{Context, Result, bail, ensure};
 use std::collections::BTreeSet;
@@ -34,8 +35,8 @@ static BUILDING: Mutex<()> = Mutex::new(());
 /// Description of an image to build.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Image<'a> {
-    /// Package and binary.
-    pub(crate) package: &'static str,
+    /// Package with its chip, and binary.
+    pub(crate) package: DevicePackage,
     pub(crate) binary: &'static str,
     /// The scene that is built in.
     pub(crate) scene: &'a SceneFile,
@@ -54,7 +55,7 @@ impl<'a> Image<'a> {
         target: &'static str,
     ) -> Self {
         Self {
-            package: "trirrr-insns",
+            package: DevicePackage::of("trirrr-insns", target),
             binary,
             scene,
             scalar,
@@ -65,7 +66,7 @@ impl<'a> Image<'a> {
     /// The image of the STM32F405 that is flashed.
     pub(crate) fn firmware(scene: &'a SceneFile, scalar: &'static str) -> Self {
         Self {
-            package: "trirrr-stm32f405",
+            package: STM32F405,
             binary: "trirrr-firmware",
             scene,
             scalar,
@@ -76,7 +77,7 @@ impl<'a> Image<'a> {
     /// The image of the STM32G474 that is flashed.
     pub(crate) fn g474(scene: &'a SceneFile, scalar: &'static str) -> Self {
         Self {
-            package: "trirrr-stm32g474",
+            package: STM32G474,
             binary: "trirrr-firmware-g474",
             scene,
             scalar,
@@ -86,22 +87,13 @@ impl<'a> Image<'a> {
 
     /// Memory of the board that the image is for.
     pub(crate) fn memory(&self) -> Memory {
-        Self::memory_of(self.package)
-    }
-
-    /// Memory of the board of a package.
-    pub(crate) fn memory_of(package: &str) -> Memory {
-        match package {
-            "trirrr-rp2040" => RP2040_MEMORY,
-            "trirrr-stm32g474" => G474_MEMORY,
-            _ => FIRMWARE_MEMORY,
-        }
+        self.package.memory()
     }
 
     /// The image of the RP2040 that is flashed.
     pub(crate) fn rp2040(scene: &'a SceneFile, scalar: &'static str) -> Self {
         Self {
-            package: "trirrr-rp2040",
+            package: RP2040,
             binary: "trirrr-firmware-rp2040",
             scene,
             scalar,
@@ -165,8 +157,9 @@ fn build_together(
     let first = images.first().context("an image to build")?;
     let mut cargo = cargo();
     cargo
-        .args(["build", "--quiet", "--package", first.package])
-        .args(["--profile", PROFILE])
+        .args(["build", "--quiet", "--profile", PROFILE, "--package"])
+        .arg(first.package.name)
+        .args(first.package.features())
         .env("SCENE", &first.scene.path)
         .env("TRIRRR_SCALAR", first.scalar)
         // The repository's own flags for the target, and the scene's board with its line, are to hold, whatever is set outside.

@@ -91,7 +91,7 @@ const MARKS: &[Mark] = &[
     },
     Mark {
         what: "a tool",
-        names: &["4tool4duty5build", "4tool5level5build"],
+        names: &["4duty5build", "4tool5level5build"],
         used: |scene| scene.tool.is_some(),
     },
     Mark {
@@ -275,7 +275,7 @@ mod tests {
             ("_RNv7payload6Offset", "an offset payload"),
             ("_RNv6number5fixed5Fixed", "fixed point"),
             ("_RNv6drives4bldc5build", "brushless motors"),
-            ("_RNv4tool4duty5build", "a tool"),
+            ("_RNv4duty5build", "a tool"),
             ("_RNv6homing5cycle5Cycle7advance", "homing"),
             ("_RNv9interlock10Interlocks5sense", "interlocks"),
             ("_RNv5interlock5probe10ProbeLatch4read", "a probe"),

@@ -80,6 +80,20 @@ pub use {
     tick_clock::{TickClock, period},
 };
 
+/// Defines the program of a board's package: its library, or on a host a refusal.
+#[macro_export]
+macro_rules! image {
+    ($library:ident, $command:literal) => {
+        #[cfg(target_os = "none")]
+        use $library as _;
+
+        #[cfg(not(target_os = "none"))]
+        fn main() {
+            $crate::refuse_host($command)
+        }
+    };
+}
+
 /// Ends a board's program that was started on a host, and tells how to build the image: with `command`.
 #[cfg(not(target_os = "none"))]
 pub fn refuse_host(command: &str) -> ! {

@@ -1,6 +1,6 @@
 //! Pins of a board as data: a TOML file with chip, crystal, and pins by function.
 //!
-//! The build script of a board's package calls [`build_script`]. The file is checked against the chip, and against what the
+//! The build script of a chip's package calls [`build_script`]. The file is checked against the chip, and against what the
 //! scene needs; the package includes `OUT_DIR/board.rs`, which has the pins as types.
 
 mod chip;
@@ -33,17 +33,17 @@ const VARIABLE: &str = "BOARD";
 /// Variable of the environment that puts USB in the place of the line's port.
 const LINE: &str = "LINE";
 
-/// Writes `OUT_DIR/board.rs` for the package `package`, with the pins and the build that the identity tells, and tells Cargo about the file and the variables that this depends on. With a line over USB `cfg(usb)` is set.
+/// Writes `OUT_DIR/board.rs` for the firmware of the family `name`, with the pins and the build that the identity tells, and tells Cargo about the file and the variables that this depends on. With a line over USB `cfg(usb)` is set.
 ///
 /// `BOARD` names the board: a shipped file, or a path relative to `root`. Without it the `board` of the scene counts, and without
 /// that the default of the package.
 ///
 /// # Errors
 /// A board that is not there, or is refused: with file, line, key and reason.
-pub fn build_script(package: &str, root: &Path) -> Result<(), Box<dyn Error>> {
+pub fn build_script(name: &str, root: &Path) -> Result<(), Box<dyn Error>> {
     println!("cargo:rerun-if-env-changed={VARIABLE}");
-    let family = Family::of_package(package)
-        .ok_or_else(|| format!("{package}: no chip of a board file is for this package"))?;
+    let family = Family::of(name)
+        .ok_or_else(|| format!("{name}: no chip of a board file is of this family"))?;
     let handed_on = |name: &str| env::var(format!("DEP_TRIRRR_APP_{}", name.to_uppercase())).ok();
     let mut needs = Needs::read(handed_on)?;
     println!("cargo:rerun-if-env-changed={LINE}");

@@ -5,10 +5,9 @@
 mod record;
 
 use crate::bench::{UPDATED, choose_bench};
-use crate::boards::FIRMWARE_TARGET;
 use crate::ci::with_oldest_toolchain;
 use crate::image::PROFILE;
-use crate::packages::{NIGHTLY_PACKAGES, Package};
+use crate::packages::{DevicePackage, NIGHTLY_PACKAGES, Package, STM32F405, STM32G474};
 use crate::repository::{root, target_directory};
 use crate::steps::Step;
 use anyhow::{Result, bail, ensure};
@@ -109,21 +108,20 @@ fn zenoh() -> [Step; 4] {
 
 /// Images that CI does not lint: package and scene. Scenes over the line with steppers, homing and a tool, and with amplifiers and feedback;
 /// an update of the STM32G474; classic CAN on it.
-const LINTED: [(&str, &str); 4] = [
-    ("trirrr-stm32f405", "tests/mcu-bench/scenes/stepping.toml"),
-    ("trirrr-stm32f405", "tests/mcu-bench/scenes/amplified.toml"),
-    ("trirrr-stm32g474", "tests/mcu-bench/scenes/updated.toml"),
-    ("trirrr-stm32g474", "scenes/plant-odrive.toml"),
+const LINTED: [(DevicePackage, &str); 4] = [
+    (STM32F405, "tests/mcu-bench/scenes/stepping.toml"),
+    (STM32F405, "tests/mcu-bench/scenes/amplified.toml"),
+    (STM32G474, "tests/mcu-bench/scenes/updated.toml"),
+    (STM32G474, "scenes/plant-odrive.toml"),
 ];
 
 /// Lints of an image.
-fn lint_image((package, scene): (&str, &str)) -> Step {
+fn lint_image((package, scene): (DevicePackage, &str)) -> Step {
     let lints = ["clippy", "--quiet", "--profile", PROFILE];
-    let mut step = Step::cargo(format!("lints of {package} with {scene}"), &lints);
-    step.command
-        .args(["-p", package, "--target", FIRMWARE_TARGET])
-        .args(["--", "-Dwarnings"])
-        .env("SCENE", scene);
+    let name = format!("lints of {} with {scene}", package.title());
+    let mut step = Step::cargo(name, &lints);
+    package.choose(&mut step.command);
+    step.command.args(["--", "-Dwarnings"]).env("SCENE", scene);
     step
 }
 

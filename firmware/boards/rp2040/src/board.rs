@@ -3,7 +3,7 @@
 // The names of all pins; the functions take those of their scene.
 #![allow(dead_code, unused_imports)]
 
-use crate::pins::{Inverted, Ports};
+use crate::pins::{Direct, Inverted, Ports};
 use trirrr_app::pins::NoPin;
 
 /// Names the interrupt of the line's port `LINE`, and that of USB `USB`: a task is bound to an interrupt by its name alone. Both have to be
@@ -20,25 +20,6 @@ macro_rules! line_interrupt {
                     PWM_IRQ_WRAP, $interrupt as LINE, $usb as USB,
                 };
             }
-        }
-
-        #[cfg(not(usb))]
-        entry!($interrupt, LINE);
-        #[cfg(usb)]
-        entry!($usb, USB);
-    };
-}
-
-/// Makes the entry of the vector table for a task that has another name.
-macro_rules! entry {
-    ($interrupt:ident, $task:ident) => {
-        #[unsafe(no_mangle)]
-        unsafe extern "C" fn $interrupt() {
-            unsafe extern "Rust" {
-                fn $task();
-            }
-            // SAFETY: the task, as RTIC has exported it; the processor calls it here, and nothing else does.
-            unsafe { $task() }
         }
     };
 }

@@ -4,13 +4,11 @@
 use crate::board::CRYSTAL_MHZ;
 use core::convert::Infallible;
 use core::ops::RangeInclusive;
-use rp2040_hal::clocks::{Clock, ClocksManager};
+use rp2040_hal::clocks::{Clock, ClocksManager, UsbClock};
 use rp2040_hal::fugit::{HertzU32, RateExtU32};
 use rp2040_hal::pac::{CLOCKS, PLL_SYS, PLL_USB, RESETS, XOSC};
 use rp2040_hal::pll::PhaseLockedLoop;
 use rp2040_hal::pll::common_configs::PLL_SYS_125MHZ;
-#[cfg(usb)]
-use rp2040_hal::pll::common_configs::PLL_USB_48MHZ;
 use rp2040_hal::xosc::CrystalOscillator;
 
 /// Clock of the core, Hz.
@@ -24,17 +22,19 @@ const START_MS: u32 = 64;
 const READS: u32 = 120_000;
 
 /// Clocks of the ports.
+// A port takes its own.
+#[allow(dead_code)]
 pub(super) struct PortRates {
     /// Clock of the UARTs.
     pub(super) peripheral: HertzU32,
-    #[cfg(usb)]
-    pub(super) usb: rp2040_hal::clocks::UsbClock,
+    /// That of USB, with its PLL, both off, and the crystal's rate.
+    pub(super) usb: (UsbClock, PLL_USB, HertzU32),
     /// Clock of the ring oscillator, MHz.
     pub(super) ring_mhz: u8,
 }
 
 /// Starts crystal, PLL and the clocks made of it. Returns the clocks of the ports, or `None` if one of them
-/// does not start. The second PLL is that of USB.
+/// does not start. The second PLL, that of USB, stays off.
 pub(super) fn start(
     crystal: XOSC,
     clocks: CLOCKS,
@@ -65,24 +65,9 @@ pub(super) fn start(
         .peripheral_clock
         .configure_clock(system, system.freq())
         .ok()?;
-    #[cfg(usb)]
-    let usb = {
-        let exact = crystal.operating_frequency();
-        let pll = PhaseLockedLoop::new(usb_pll, exact, PLL_USB_48MHZ).ok()?;
-        let pll = pll.initialize(resets);
-        let locked = within(|| pll.await_lock())?;
-        let pll = pll.get_locked(locked);
-        let mut usb = clocks.usb_clock;
-        usb.configure_clock(&pll, pll.operating_frequency()).ok()?;
-        usb
-    };
-    // Off, as after a reset.
-    #[cfg(not(usb))]
-    let _ = usb_pll;
     Some(PortRates {
         peripheral: clocks.peripheral_clock.freq(),
-        #[cfg(usb)]
-        usb,
+        usb: (clocks.usb_clock, usb_pll, crystal.operating_frequency()),
         ring_mhz: ring_mhz()?,
     })
 }
@@ -112,6 +97,6 @@ fn ring_mhz() -> Option<u8> {
 }
 
 /// Result of `look`, if there is one within [`READS`] calls.
-fn within<T>(mut look: impl FnMut() -> nb::Result<T, Infallible>) -> Option<T> {
+pub(super) fn within<T>(mut look: impl FnMut() -> nb::Result<T, Infallible>) -> Option<T> {
     (0..READS).find_map(|_| look().ok())
 }

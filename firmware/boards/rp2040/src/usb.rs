@@ -6,13 +6,20 @@
 //! the watchdog to the next, is reset and takes its pull-up from the bus: the host enumerates it anew, as after a cable that was pulled.
 #![allow(unsafe_code)]
 
+pub(crate) use self::{
+    NoBytes as ByteReceiver, PlugMemory as LineMemory, PlugReceiver as PacketReceiver,
+    PlugTransmitter as LineTransmitter,
+};
 use crate::board::device::interrupt::USB as USB_INTERRUPT;
-use crate::clock::CORE_HZ;
+use crate::board::{LinePins, LinePort};
+use crate::clock::{CORE_HZ, PortRates, within};
 use core::sync::atomic::{AtomicBool, Ordering};
 use cortex_m::peripheral::NVIC;
 use heapless::spsc::Consumer;
-use rp2040_hal::clocks::UsbClock;
-use rp2040_hal::pac::{Interrupt, RESETS, USBCTRL_DPRAM, USBCTRL_REGS};
+use rp2040_hal::clocks::{Clock, UsbClock};
+use rp2040_hal::pac::{Interrupt, RESETS, USBCTRL_REGS};
+use rp2040_hal::pll::PhaseLockedLoop;
+use rp2040_hal::pll::common_configs::PLL_USB_48MHZ;
 use rp2040_hal::usb::UsbBus;
 use trirrr_app::usb::{UsbLine, UsbMemory, UsbTransmitter};
 use usb_device::bus::UsbBusAllocator;
@@ -30,13 +37,23 @@ pub(crate) struct PlugReceiver {
 /// Transmitter of the line.
 pub(crate) type PlugTransmitter = UsbTransmitter<Interrupt>;
 
+/// Part of the line in the interrupt of a port: none.
+pub(crate) type NoBytes = ();
+
 /// Starts the controller.
 pub(crate) fn start(
     memory: &'static mut PlugMemory,
-    (registers, packets): (USBCTRL_REGS, USBCTRL_DPRAM),
+    ((registers, packets), _): (LinePort, LinePins),
     resets: &mut RESETS,
-    clock: UsbClock,
-) -> (PlugReceiver, Consumer<'static, u8>, PlugTransmitter) {
+    clocks: PortRates,
+) -> (
+    (NoBytes, PlugReceiver),
+    Consumer<'static, u8>,
+    PlugTransmitter,
+) {
+    let Some(clock) = start_clock(clocks, resets) else {
+        panic!("the PLL of USB does not start");
+    };
     // The chip has no pin that tells the voltage of the plug: it takes it for there.
     let bus = UsbBus::new(registers, packets, clock, true, resets);
     // Nor has it a number of its own.
@@ -47,16 +64,32 @@ pub(crate) fn start(
         line: started.line,
         frame: 0,
     };
-    (receiver, started.bytes, started.transmitter)
+    (((), receiver), started.bytes, started.transmitter)
+}
+
+/// Starts the PLL and the clock of USB. Returns `None` if it does not lock.
+fn start_clock(clocks: PortRates, resets: &mut RESETS) -> Option<UsbClock> {
+    let (mut clock, pll, crystal) = clocks.usb;
+    let pll = PhaseLockedLoop::new(pll, crystal, PLL_USB_48MHZ).ok()?;
+    let pll = pll.initialize(resets);
+    let locked = within(|| pll.await_lock())?;
+    let pll = pll.get_locked(locked);
+    clock
+        .configure_clock(&pll, pll.operating_frequency())
+        .ok()?;
+    Some(clock)
 }
 
 /// A look at the number of the frame is due.
 static LOOKS: AtomicBool = AtomicBool::new(false);
 
-/// Lets the interrupt look whether the controller hangs: some frames after the last look.
-pub(crate) fn look_at_frames() {
-    LOOKS.store(true, Ordering::Relaxed);
-    NVIC::pend(USB_INTERRUPT);
+/// Goes on after a queue that had no room. `looks` lets the interrupt look whether the controller hangs: some frames after the last look.
+pub(crate) fn resume(looks: bool) {
+    trirrr_app::usb::resume(USB_INTERRUPT);
+    if looks {
+        LOOKS.store(true, Ordering::Relaxed);
+        NVIC::pend(USB_INTERRUPT);
+    }
 }
 
 impl PlugReceiver {

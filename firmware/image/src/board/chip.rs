@@ -10,30 +10,30 @@ use super::role::Role;
 /// Family of chips with a firmware of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Family {
-    /// Package `trirrr-stm32f405`.
+    /// STM32F405.
     Stm32f405,
-    /// Package `trirrr-stm32g474`.
+    /// STM32G474.
     Stm32g474,
-    /// Package `trirrr-rp2040`.
+    /// RP2040.
     Rp2040,
 }
 
 impl Family {
     const ALL: [Self; 3] = [Self::Stm32f405, Self::Stm32g474, Self::Rp2040];
 
-    /// The family whose firmware is the package `name`.
-    pub fn of_package(name: &str) -> Option<Self> {
+    /// The family of this name in small letters.
+    pub fn of(name: &str) -> Option<Self> {
         Self::ALL
             .into_iter()
-            .find(|family| family.package() == name)
+            .find(|family| family.name().eq_ignore_ascii_case(name))
     }
 
-    /// Package of the firmware.
-    pub fn package(self) -> &'static str {
+    /// Name of the family.
+    pub fn name(self) -> &'static str {
         match self {
-            Self::Stm32f405 => "trirrr-stm32f405",
-            Self::Stm32g474 => "trirrr-stm32g474",
-            Self::Rp2040 => "trirrr-rp2040",
+            Self::Stm32f405 => "STM32F405",
+            Self::Stm32g474 => "STM32G474",
+            Self::Rp2040 => "RP2040",
         }
     }
 
@@ -225,10 +225,10 @@ mod tests {
     }
 
     #[test]
-    fn a_package_names_its_family() {
+    fn a_family_is_found_by_its_name() {
         for family in Family::ALL {
-            assert_eq!(Family::of_package(family.package()), Some(family));
+            assert_eq!(Family::of(&family.name().to_lowercase()), Some(family));
         }
-        assert_eq!(Family::of_package("trirrr-core"), None);
+        assert_eq!(Family::of("stm32"), None);
     }
 }

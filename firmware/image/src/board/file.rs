@@ -199,10 +199,10 @@ fn other_chip(chip: &Chip, wanted: Family) -> String {
     let same = CHIPS.iter().filter(|chip| chip.family == wanted);
     let same: Vec<String> = same.map(|chip| format!("\"{}\"", chip.name)).collect();
     format!(
-        "is a chip of {}, which `{}` builds; an image of {} is for {}",
-        chip.family.package(),
+        "is a chip of the firmware for the {}, which `{}` builds; `{}` is for {}",
+        chip.family.name(),
         chip.family.command(),
-        wanted.package(),
+        wanted.command(),
         same.join(" or ")
     )
 }

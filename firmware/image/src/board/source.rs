@@ -10,9 +10,39 @@ use super::role::Role;
 
 /// The pins that the image of a scene with these needs has, as types of its board's package, and the settings of the PLL.
 pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
-    match board.chip.family {
+    let pins = match board.chip.family {
         Family::Stm32f405 | Family::Stm32g474 => stm32::source(board, needs),
         Family::Rp2040 => rp2040::source(board, needs),
+    };
+    modules(needs) + &pins
+}
+
+/// Names the modules of the scene's drives and tool.
+fn modules(needs: &Needs) -> String {
+    let drive = match needs.drive.as_str() {
+        "odrive" | "mit" | "moteus" => "can",
+        kind => kind,
+    };
+    let (tool, part) = match needs.tool.as_str() {
+        "duty" => ("crate::duty", "DutyPart"),
+        "level" => ("trirrr_boards::tool::level", "LevelPart<Tool>"),
+        _ => ("trirrr_boards::tool::none", "NoTool"),
+    };
+    format!(
+        "pub(crate) use crate::drives::{drive} as drive;\n\
+         pub(crate) use {tool} as tool;\n\
+         pub(crate) type ToolPart = {tool}::{part};\n"
+    )
+}
+
+/// Entry of the vector table for the task of the line: that of its port, or of USB.
+fn line_entry(board: &BoardFile, interrupt: &str) -> String {
+    match board.line {
+        Some(_) => format!("trirrr_boards::entry!({interrupt}, LINE);\n"),
+        None => format!(
+            "trirrr_boards::entry!({}, USB);\n",
+            board.chip.usb.interrupt
+        ),
     }
 }
 
@@ -79,24 +109,64 @@ struct PinField<'b> {
 enum PinGroup {
     /// `Pins` itself.
     Own,
+    Line,
     Drives,
-    Inputs,
-    Outputs,
+    Tool,
+    Homing,
+    Contacts,
+    SpareInputs,
+    Brake,
+    Lamp,
+    SpareOutputs,
 }
 
 /// Groups with a struct of their own, its name, and that of its field in `Pins`.
-const STRUCTS: [(PinGroup, &str, &str); 3] = [
+const STRUCTS: [(PinGroup, &str, &str); 2] = [
+    (PinGroup::Line, "LinePins", "line"),
     (PinGroup::Drives, "DrivePins", "drives"),
-    (PinGroup::Inputs, "InputPins", "inputs"),
-    (PinGroup::Outputs, "OutputPins", "outputs"),
+];
+
+/// Struct of `trirrr-boards` whose fields are tuples of pins.
+struct OfTuples {
+    name: &'static str,
+    /// Its field in `Pins`.
+    field: &'static str,
+    /// Its own fields.
+    groups: [(&'static str, PinGroup); 3],
+}
+
+const OF_TUPLES: [OfTuples; 2] = [
+    OfTuples {
+        name: "InputPins",
+        field: "inputs",
+        groups: [
+            ("homing", PinGroup::Homing),
+            ("contacts", PinGroup::Contacts),
+            ("spare", PinGroup::SpareInputs),
+        ],
+    },
+    OfTuples {
+        name: "OutputPins",
+        field: "outputs",
+        groups: [
+            ("brake", PinGroup::Brake),
+            ("lamp", PinGroup::Lamp),
+            ("spare", PinGroup::SpareOutputs),
+        ],
+    },
 ];
 
 impl PinGroup {
     fn of(role: Role) -> Self {
         match role {
-            Role::Homing | Role::Stop | Role::Door | Role::Probe => Self::Inputs,
-            Role::Limits | Role::Inputs => Self::Inputs,
-            Role::Brake | Role::Lamp | Role::Outputs => Self::Outputs,
+            Role::LineTransmit | Role::LineReceive => Self::Line,
+            Role::Tool | Role::ToolEnable => Self::Tool,
+            Role::Homing => Self::Homing,
+            Role::Stop | Role::Door | Role::Probe | Role::Limits => Self::Contacts,
+            Role::Inputs => Self::SpareInputs,
+            Role::Brake => Self::Brake,
+            Role::Lamp => Self::Lamp,
+            Role::Outputs => Self::SpareOutputs,
             _ if matches!(role.entry().table, "stepper" | "amplifier" | "can") => Self::Drives,
             _ => Self::Own,
         }
@@ -119,7 +189,7 @@ fn fields<'b>(board: &'b BoardFile, needs: &Needs) -> Vec<PinField<'b>> {
     let of_usb = board.usb.iter().map(|(name, pin)| PinField {
         name,
         pin: Some(pin),
-        group: PinGroup::Own,
+        group: PinGroup::Line,
     });
     let mut fields: Vec<_> = of_usb.collect();
     for (role, names) in FIELDS {
@@ -182,14 +252,15 @@ fn declare(
         };
         types += &format!("pub(crate) type {} = {of};\n", type_name(field.name));
     }
+    let value = |field: &PinField| match field.pin {
+        Some(pin) if pin.inverted => format!("Inverted({})", taken(pin)),
+        Some(pin) => taken(pin),
+        None => "NoPin".into(),
+    };
     let of_group = |group| {
         let (mut declared, mut values) = (String::new(), String::new());
         for field in fields.iter().filter(|field| field.group == group) {
-            let value = match field.pin {
-                Some(pin) if pin.inverted => format!("Inverted({})", taken(pin)),
-                Some(pin) => taken(pin),
-                None => "NoPin".into(),
-            };
+            let value = value(field);
             let (name, alias) = (field.name, type_name(field.name));
             declared += &format!("    pub(crate) {name}: {alias},\n");
             values += &format!("            {name}: {value},\n");
@@ -202,6 +273,36 @@ fn declare(
         types += &format!("pub(crate) struct {name} {{\n{declared}}}\n");
         own += &format!("    pub(crate) {field}: {name},\n");
         own_values += &format!("            {field}: {name} {{\n{values}            }},\n");
+    }
+    // Without a pin these are `()`.
+    let tuple = |group, of: &dyn Fn(&PinField) -> String| {
+        let parts = fields.iter().filter(|field| field.group == group);
+        format!(
+            "({})",
+            parts.map(|field| of(field) + ", ").collect::<String>()
+        )
+    };
+    let alias = |field: &PinField| type_name(field.name);
+    types += &format!(
+        "pub(crate) type ToolPins = {};\n",
+        tuple(PinGroup::Tool, &alias)
+    );
+    own += "    pub(crate) tool: ToolPins,\n";
+    own_values += &format!("            tool: {},\n", tuple(PinGroup::Tool, &value));
+    for OfTuples {
+        name,
+        field,
+        groups,
+    } in OF_TUPLES
+    {
+        let kinds = groups.map(|(_, group)| tuple(group, &alias)).join(", ");
+        types += &format!("pub(crate) type {name} = trirrr_boards::{name}<{kinds}>;\n");
+        own += &format!("    pub(crate) {field}: {name},\n");
+        let values = groups.map(|(name, group)| format!("{name}: {}", tuple(group, &value)));
+        own_values += &format!(
+            "            {field}: trirrr_boards::{name} {{ {} }},\n",
+            values.join(", ")
+        );
     }
     Declared {
         types,
@@ -241,17 +342,14 @@ mod tests {
         let text = of("generic-f405", |text| text, &nothing());
         for part in [
             "pub(crate) type LineTransmit = Pin<'A', 2>;",
-            "pub(crate) type LinePort = stm32f4xx_hal::pac::USART2;",
-            "log_transmit: b.pb10,",
+            "pub(crate) const LINE_PORT: stm32_metapac::usart::Usart = stm32_metapac::USART2;",
+            "pub(crate) type LogTransmit = Pin<'B', 10>;",
+            "gpio::switch_on(b\"AB\");",
             "divider: 8, factor: 336",
         ] {
             assert!(text.contains(part), "{part}: {text}");
         }
-        // Port C is not even switched on.
-        assert!(
-            !text.contains("ports.c") && !text.contains("enable"),
-            "{text}"
-        );
+        assert!(!text.contains("enable"), "{text}");
         let needs = Needs {
             tool: "duty".into(),
             door: true,
@@ -262,15 +360,15 @@ mod tests {
         for part in [
             "pub(crate) type StepOutput = PortOutput<'C'>;",
             "pub(crate) type Step3 = Pin<'C', 2>;",
-            "direction_1: c.pc3,",
+            "pub(crate) type Direction1 = Pin<'C', 3>;",
             "pub(crate) type ToolEnable = NoPin;",
             "pub(crate) type Stop = NoPin;",
             "pub(crate) type Limit3 = NoPin;",
-            "door: a.pa7,",
+            "pub(crate) type Door = Pin<'A', 7>;",
         ] {
             assert!(text.contains(part), "{part}: {text}");
         }
-        assert!(!text.contains("brake"), "{text}");
+        assert!(!text.contains("Brake"), "{text}");
     }
 
     #[test]
@@ -286,7 +384,7 @@ mod tests {
             "pub(crate) type DirectionOutput = PortOutput<'C'>;",
             "pub(crate) type Step1 = Pin<'C', 0>;",
             "pub(crate) type Step2 = Inverted<Pin<'C', 1>>;",
-            "step_2: Inverted(c.pc1),",
+            "step_2: Inverted(Pin::of_its_port()),",
         ] {
             assert!(text.contains(part), "{part}: {text}");
         }
@@ -296,12 +394,12 @@ mod tests {
     fn a_board_of_its_own_crystal_and_ports_has_them() {
         let text = of("feather-f405", |text| text, &steppers());
         for part in [
-            "pub(crate) type LinePort = stm32f4xx_hal::pac::USART3;",
+            "pub(crate) const LINE_PORT: stm32_metapac::usart::Usart = stm32_metapac::USART3;",
             "line_interrupt!(DMA1_STREAM1, OTG_FS);",
             "pub(crate) const LINE_TRANSMIT_STREAM: usize = 3;",
-            "pub(crate) type LogPort = stm32f4xx_hal::pac::USART1;",
+            "pub(crate) const LOG_PORT: stm32_metapac::usart::Usart = stm32_metapac::USART1;",
             "divider: 12, factor: 336",
-            "step_1: c.pc2,",
+            "pub(crate) type Step1 = Pin<'C', 2>;",
         ] {
             assert!(text.contains(part), "{part}: {text}");
         }
@@ -320,12 +418,11 @@ mod tests {
             "pub(crate) const LINE_TRANSMIT_REQUEST: u8 = 27;",
             "pub(crate) type CanReceive = Pin<'A', 11>;",
             "can_transmit: Pin::of_its_port(),",
-            "ports.switch_on('A', rcc);",
-            "line: stm32_metapac::USART2,",
+            "gpio::switch_on(b\"AB\");",
+            "pub(crate) const LINE_PORT: stm32_metapac::usart::Usart = stm32_metapac::USART2;",
         ] {
             assert!(text.contains(part), "{part}: {text}");
         }
-        assert!(!text.contains("switch_on('C'"), "{text}");
     }
 
     #[test]
@@ -347,13 +444,17 @@ mod tests {
         for part in [
             "line_interrupt!(USART3, OTG_FS);",
             "pub(crate) type UsbMinus = Pin<'A', 11>;",
-            "usb_plus: a.pa12,",
+            "pub(crate) type UsbPlus = Pin<'A', 12>;",
         ] {
             assert!(f405.contains(part), "{part}: {f405}");
         }
+        assert!(
+            pico.contains("type LinePort = crate::pins::UsbPort;"),
+            "{pico}"
+        );
         for text in [pico, f405] {
             assert!(
-                !text.contains("LinePort") && !text.contains("line:"),
+                !text.contains("LINE_PORT") && !text.contains("line_transmit"),
                 "{text}"
             );
         }
@@ -367,11 +468,11 @@ mod tests {
         };
         let text = of("pico", |text| text, &needs);
         for part in [
-            "pub(crate) type Tool = Pin<Gpio16, FunctionNull, PullDown>;",
+            "pub(crate) type Tool = Direct<Gpio16>;",
             "pub(crate) type ToolPwm = rp2040_hal::pwm::Pwm0;",
             "line_interrupt!(UART0_IRQ, USBCTRL_IRQ);",
             "pub(crate) const CRYSTAL_MHZ: u8 = 12;",
-            "step_1: pins.gpio6,",
+            "step_1: Direct(pins.gpio6),",
         ] {
             assert!(text.contains(part), "{part}: {text}");
         }

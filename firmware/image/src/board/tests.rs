@@ -244,8 +244,8 @@ fn a_board_of_another_chip_is_refused() {
     );
     assert_eq!(
         refusal(read),
-        "pico.toml:3: chip = \"rp2040\": is a chip of trirrr-rp2040, which `cargo fw-rp2040` builds; an image of \
-         trirrr-stm32f405 is for \"stm32f405rg\" or \"stm32f405vg\""
+        "pico.toml:3: chip = \"rp2040\": is a chip of the firmware for the RP2040, which `cargo fw-rp2040` builds; \
+         `cargo fw` is for \"stm32f405rg\" or \"stm32f405vg\""
     );
     let text = refusal(changed("stm32f405rg", "stm32f407vg", &needs("none")));
     assert!(

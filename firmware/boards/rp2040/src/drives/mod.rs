@@ -7,21 +7,16 @@
 //! An image holds the drive that its scene names, or none.
 
 #[cfg(drive = "none")]
-mod none;
+pub(crate) mod none;
 #[cfg(drive = "stepper")]
-mod stepper;
+pub(crate) mod stepper;
 
-#[cfg(drive = "stepper")]
-pub(super) use stepper::{SlotTimer as DriveTimer, StepperDrives as Drives, build};
-#[cfg(not(drive = "stepper"))]
-pub(super) use trirrr_app::outputs::NoDriveTimer as DriveTimer;
-#[cfg(drive = "none")]
-pub(super) use {none::build, trirrr_app::outputs::NoOutputs as Drives};
+pub(crate) use crate::board::drive::{DriveTimer, Drives, build};
 
 #[cfg(drive = "bldc")]
 compile_error!("drive.kind = \"bldc\": the firmware for the RP2040 drives steppers or nothing");
 
-#[cfg(any(drive = "odrive", drive = "mit", drive = "moteus"))]
+#[cfg(bus)]
 compile_error!("drive.kind = \"can\": the RP2040 has no CAN controller");
 
 use crate::board::DrivePins;
@@ -31,10 +26,10 @@ use trirrr_app::inputs::Angle;
 /// Parts of the board for drives.
 // Each kind of drive takes some of them.
 #[allow(dead_code)]
-pub(super) struct DriveParts {
+pub(crate) struct DriveParts {
     /// Pins of the kind of drive.
-    pub(super) pins: DrivePins,
-    pub(super) slots: Slice<Pwm7, FreeRunning>,
+    pub(crate) pins: DrivePins,
+    pub(crate) slots: Slice<Pwm7, FreeRunning>,
     /// Joint angles at the start.
-    pub(super) angles: [Angle; 3],
+    pub(crate) angles: [Angle; 3],
 }

@@ -2,8 +2,9 @@
 
 use super::DriveParts;
 use trirrr_app::outputs::NoOutputs;
+pub(crate) use trirrr_app::outputs::{NoDriveTimer as DriveTimer, NoOutputs as Drives};
 
 /// Takes no part.
-pub(crate) fn build(_: DriveParts) -> (NoOutputs, ()) {
+pub(crate) fn build(_: DriveParts) -> (Drives, DriveTimer) {
     (NoOutputs, ())
 }

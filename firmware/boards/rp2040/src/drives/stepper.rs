@@ -1,13 +1,14 @@
 //! Steppers: PWM slice 7, without an output, calls the slots.
 
+pub(crate) use self::{SlotTimer as DriveTimer, StepperDrives as Drives};
 use super::DriveParts;
 use crate::clock::CORE_HZ;
 use crate::pins::AnyOutput;
-use crate::wiring::BoardPin;
 use rp2040_hal::pwm::{FreeRunning, Pwm7, Slice};
 use trirrr_app::scene::Scalar;
 use trirrr_app::scene::drive::{ENABLE_HIGH, MOST_PER_TICK, PER_TURN, REVERSED};
 use trirrr_app::slots::{LINE, PER_TICK, SLOT_HZ};
+use trirrr_boards::BoardPin;
 use trirrr_drives::stepper::{Axis, Slots, Steppers};
 use trirrr_drives::{Active, Enable};
 
