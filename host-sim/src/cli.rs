@@ -141,7 +141,7 @@ pub enum Command {
     Follow(FollowArgs),
     /// Plan a scene's path: its least time, a proven lower bound, what limits where, figures
     Plan(PlanArgs),
-    /// What `trirrr-full` carries out.
+    /// Commands that `trirrr-full` carries out.
     #[command(flatten)]
     Full(FullCommand),
 }

@@ -276,7 +276,7 @@ fn admissions(file: &SceneFile) -> Result<Vec<CyclesRow>> {
     Ok(slice.iter().cloned().chain(whole).collect())
 }
 
-/// What rows are about.
+/// Subject of rows.
 struct Subject<'a> {
     file: &'a SceneFile,
     scalar: &'a str,

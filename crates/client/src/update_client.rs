@@ -403,7 +403,7 @@ impl<N: Transmit> Dialogue<N> for UpdateClient<N> {
         }
     }
 
-    /// What the board has of the image waits for another client.
+    /// The board's part of the image waits for another client.
     fn stop(&mut self) {
         self.result = Some(Err(UpdateFailure::Stopped));
     }

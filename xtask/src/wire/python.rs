@@ -1,7 +1,7 @@
 //! The messages of the Python client.
 
 use super::numbers;
-use super::types::{Content, Form, Kind, Named, Types, form, kind};
+use super::types::{Content, Form, SchemaType, TypeKind, Types, form, kind};
 use trirrr_protocol::message::{BATCH, BLOCK, LEVELS, NAME_CAPACITY, PROTOCOL, TelemetryFields};
 
 pub(super) const MESSAGES: &str = "clients/python/trirrr/messages.py";
@@ -45,7 +45,7 @@ pub(super) fn messages(types: &Types) -> String {
     text
 }
 
-fn definition(named: Named) -> String {
+fn definition(named: SchemaType) -> String {
     let name = named.name;
     let assigned =
         |class: &str, arguments: Vec<String>| call(&format!("{name} = {class}"), name, &arguments);
@@ -81,8 +81,9 @@ fn definition(named: Named) -> String {
                 Content::Nothing => format!("{variant}=None"),
                 Content::One(inner) => format!("{variant}={}", type_name(inner)),
                 Content::Fields(fields) => {
-                    let each =
-                        |(field, ty): &(&str, Named)| format!("\"{field}\": {}", type_name(ty));
+                    let each = |(field, ty): &(&str, SchemaType)| {
+                        format!("\"{field}\": {}", type_name(ty))
+                    };
                     format!(
                         "{variant}={{{}}}",
                         fields.iter().map(each).collect::<Vec<_>>().join(", ")
@@ -107,19 +108,19 @@ fn call(before: &str, name: &str, arguments: &[String]) -> String {
 }
 
 /// A field. A keyword of Python has an underscore behind it.
-fn argument(field: &str, ty: Named) -> String {
+fn argument(field: &str, ty: SchemaType) -> String {
     let keyword = if field == "from" { "_" } else { "" };
     format!("{field}{keyword}={}", type_name(ty))
 }
 
-fn type_name(named: Named) -> String {
+fn type_name(named: SchemaType) -> String {
     match (kind(named), named.name) {
-        (Kind::Number, _) => "N".into(),
-        (Kind::Angle, _) => "ANGLE".into(),
-        (Kind::Optional(inner), _) => format!("Optional({})", type_name(inner)),
-        (Kind::Array(inner, count), _) => format!("array({}, {count})", type_name(inner)),
-        (Kind::Defined, name) => name.into(),
+        (TypeKind::Number, _) => "N".into(),
+        (TypeKind::Angle, _) => "ANGLE".into(),
+        (TypeKind::Optional(inner), _) => format!("Optional({})", type_name(inner)),
+        (TypeKind::Array(inner, count), _) => format!("array({}, {count})", type_name(inner)),
+        (TypeKind::Defined, name) => name.into(),
         (_, "u8") => "BYTE".into(),
-        (Kind::Composed | Kind::Plain, name) => name.to_uppercase(),
+        (TypeKind::Composed | TypeKind::Plain, name) => name.to_uppercase(),
     }
 }

@@ -2,7 +2,7 @@
 
 use super::docs::Docs;
 use super::numbers;
-use super::types::{Content, Form, Kind, Named, Types, form, kind};
+use super::types::{Content, Form, SchemaType, TypeKind, Types, form, kind};
 use anyhow::{Context, Result, bail, ensure};
 use std::cell::RefCell;
 use std::collections::BTreeSet;
@@ -81,14 +81,14 @@ fn keys() -> String {
 }
 
 /// A type in the document.
-fn type_name(named: Named) -> String {
+fn type_name(named: SchemaType) -> String {
     match kind(named) {
-        Kind::Number => "N".into(),
-        Kind::Angle => "Angle".into(),
-        Kind::Optional(inner) => format!("{}?", type_name(inner)),
-        Kind::Array(inner, count) => format!("[{}; {count}]", type_name(inner)),
-        Kind::Defined => link(named.name, named.name),
-        Kind::Composed | Kind::Plain => named.name.into(),
+        TypeKind::Number => "N".into(),
+        TypeKind::Angle => "Angle".into(),
+        TypeKind::Optional(inner) => format!("{}?", type_name(inner)),
+        TypeKind::Array(inner, count) => format!("[{}; {count}]", type_name(inner)),
+        TypeKind::Defined => link(named.name, named.name),
+        TypeKind::Composed | TypeKind::Plain => named.name.into(),
     }
 }
 
@@ -144,7 +144,7 @@ impl Writer<'_> {
     }
 
     /// The heading of a type, its meaning, and its table.
-    fn section(&self, named: Named) -> String {
+    fn section(&self, named: SchemaType) -> String {
         let name = named.name;
         let mut text = format!("\n### {name}\n\n");
         for paragraph in self.docs.of(name).split("\n\n") {
@@ -169,7 +169,7 @@ impl Writer<'_> {
                         Content::Nothing => String::new(),
                         Content::One(inner) => type_name(inner),
                         Content::Fields(fields) => {
-                            let each = |(field, ty): &(&str, Named)| {
+                            let each = |(field, ty): &(&str, SchemaType)| {
                                 format!("`{field}`: {}", type_name(ty))
                             };
                             for (field, _) in &fields {

@@ -84,13 +84,13 @@ pub(super) fn written() -> Result<String> {
 }
 
 /// Name of a variant, and its value in Python.
-type Row = (String, String);
+type TextRow = (String, String);
 
 /// The first match of the first function of a name.
 struct FirstMatch<'a> {
     function: &'a str,
     is_inside: bool,
-    rows: Vec<Row>,
+    rows: Vec<TextRow>,
 }
 
 impl FirstMatch<'_> {
@@ -118,7 +118,7 @@ impl<'ast> Visit<'ast> for FirstMatch<'_> {
 }
 
 /// Names of the variants of an arm, each with its text.
-fn rows(arm: &Arm) -> Vec<Row> {
+fn rows(arm: &Arm) -> Vec<TextRow> {
     let Some(value) = value(&arm.body) else {
         return Vec::new();
     };
@@ -200,17 +200,17 @@ mod tests {
     fn arms_that_are_texts_are_taken_and_others_left() {
         let found: ExprMatch = syn::parse_quote! {
             match found {
-                Kind::Plain => "a {b} \"c\"".into(),
-                Kind::One(_) | Kind::Other { .. } => { let x = x + 1; format!("place {x:#010x}") }
-                Kind::Of { count: 0 } => "none".into(),
-                Kind::Of { count } => format!("{count}"),
-                Kind::If if it => "guarded",
-                Kind::Numbers => [1, -2],
-                Kind::Computed => format!("{}", 1),
-                Kind::Called => of(1),
+                TypeKind::Plain => "a {b} \"c\"".into(),
+                TypeKind::One(_) | TypeKind::Other { .. } => { let x = x + 1; format!("place {x:#010x}") }
+                TypeKind::Of { count: 0 } => "none".into(),
+                TypeKind::Of { count } => format!("{count}"),
+                TypeKind::If if it => "guarded",
+                TypeKind::Numbers => [1, -2],
+                TypeKind::Computed => format!("{}", 1),
+                TypeKind::Called => of(1),
             }
         };
-        let rows: Vec<Row> = found.arms.iter().flat_map(rows).collect();
+        let rows: Vec<TextRow> = found.arms.iter().flat_map(rows).collect();
         let row = |name: &str, value: &str| (name.to_owned(), value.to_owned());
         let expected = [
             row("Plain", r#""a {{b}} \"c\"""#),

@@ -5,10 +5,10 @@ use postcard_schema::schema::{DataModelType, DataModelVariant, NamedType};
 use trirrr_core::number::Fixed;
 use trirrr_protocol::message::{Message, Request};
 
-pub(super) type Named = &'static NamedType;
+pub(super) type SchemaType = &'static NamedType;
 
 /// Part of a message on the line. Machines in fixed point have a type of their own for numbers and for angles: both are told apart.
-pub(super) enum Kind {
+pub(super) enum TypeKind {
     /// `N`, the machine's number.
     Number,
     /// The machine's angle.
@@ -17,42 +17,42 @@ pub(super) enum Kind {
     Composed,
     /// A type with a table of its own.
     Defined,
-    Optional(Named),
-    Array(Named, usize),
+    Optional(SchemaType),
+    Array(SchemaType, usize),
     /// A type of postcard, by its name.
     Plain,
 }
 
-pub(super) fn kind(named: Named) -> Kind {
+pub(super) fn kind(named: SchemaType) -> TypeKind {
     match (named.name, named.ty) {
-        ("Fixed", _) => Kind::Number,
-        ("Turns", _) => Kind::Angle,
-        ("Pose" | "Setpoint", _) => Kind::Composed,
+        ("Fixed", _) => TypeKind::Number,
+        ("Turns", _) => TypeKind::Angle,
+        ("Pose" | "Setpoint", _) => TypeKind::Composed,
         (
             _,
             DataModelType::Struct(_) | DataModelType::Enum(_) | DataModelType::NewtypeStruct(_),
-        ) => Kind::Defined,
-        (_, DataModelType::Option(inner)) => Kind::Optional(inner),
-        (_, DataModelType::Tuple(parts)) => Kind::Array(parts[0], parts.len()),
-        _ => Kind::Plain,
+        ) => TypeKind::Defined,
+        (_, DataModelType::Option(inner)) => TypeKind::Optional(inner),
+        (_, DataModelType::Tuple(parts)) => TypeKind::Array(parts[0], parts.len()),
+        _ => TypeKind::Plain,
     }
 }
 
 /// Content of a variant.
 pub(super) enum Content {
     Nothing,
-    One(Named),
-    Fields(Vec<(&'static str, Named)>),
+    One(SchemaType),
+    Fields(Vec<(&'static str, SchemaType)>),
 }
 
 /// Form of a defined type.
 pub(super) enum Form {
-    Struct(Vec<(&'static str, Named)>),
+    Struct(Vec<(&'static str, SchemaType)>),
     Enum(Vec<(&'static str, Content)>),
-    Newtype(Named),
+    Newtype(SchemaType),
 }
 
-pub(super) fn form(named: Named) -> Form {
+pub(super) fn form(named: SchemaType) -> Form {
     let fields = |fields: &[&'static postcard_schema::schema::NamedValue]| {
         fields.iter().map(|field| (field.name, field.ty)).collect()
     };
@@ -80,11 +80,11 @@ pub(super) fn form(named: Named) -> Form {
 }
 
 /// Types that a type consists of.
-fn parts(named: Named) -> Vec<Named> {
-    let types = |fields: Vec<(&str, Named)>| fields.into_iter().map(|(_, ty)| ty).collect();
+fn parts(named: SchemaType) -> Vec<SchemaType> {
+    let types = |fields: Vec<(&str, SchemaType)>| fields.into_iter().map(|(_, ty)| ty).collect();
     match kind(named) {
-        Kind::Optional(inner) | Kind::Array(inner, _) => vec![inner],
-        Kind::Defined => match form(named) {
+        TypeKind::Optional(inner) | TypeKind::Array(inner, _) => vec![inner],
+        TypeKind::Defined => match form(named) {
             Form::Struct(fields) => types(fields),
             Form::Newtype(inner) => vec![inner],
             Form::Enum(variants) => {
@@ -101,18 +101,18 @@ fn parts(named: Named) -> Vec<Named> {
 }
 
 /// Defined types of all messages, each behind those that it consists of.
-pub(super) struct Types(pub(super) Vec<Named>);
+pub(super) struct Types(pub(super) Vec<SchemaType>);
 
 impl Types {
     pub(super) fn read() -> Self {
-        fn collect(named: Named, found: &mut Vec<Named>) {
+        fn collect(named: SchemaType, found: &mut Vec<SchemaType>) {
             if found.iter().any(|each| each.name == named.name) {
                 return;
             }
             for part in parts(named) {
                 collect(part, found);
             }
-            if matches!(kind(named), Kind::Defined) {
+            if matches!(kind(named), TypeKind::Defined) {
                 found.push(named);
             }
         }
@@ -122,13 +122,18 @@ impl Types {
         Self(found)
     }
 
-    pub(super) fn named(&self, name: &str) -> Option<Named> {
+    pub(super) fn named(&self, name: &str) -> Option<SchemaType> {
         self.0.iter().copied().find(|each| each.name == name)
     }
 
     /// `root` and the defined types in it, in the order in which a reader meets them, without those that `stop` at another place.
-    pub(super) fn from(&self, root: Named, stop: &dyn Fn(&str) -> bool, found: &mut Vec<Named>) {
-        if matches!(kind(root), Kind::Defined) {
+    pub(super) fn from(
+        &self,
+        root: SchemaType,
+        stop: &dyn Fn(&str) -> bool,
+        found: &mut Vec<SchemaType>,
+    ) {
+        if matches!(kind(root), TypeKind::Defined) {
             if found.iter().any(|each| each.name == root.name) {
                 return;
             }

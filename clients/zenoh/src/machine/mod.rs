@@ -83,7 +83,7 @@ pub(crate) struct Worker<'a, N: ServiceNumber> {
     look: Duration,
     pause: Duration,
     is_connected: bool,
-    /// Why the line is lost.
+    /// Reason why the line is lost.
     lost: Option<String>,
     /// Reason why the machine is another one.
     refused: Option<String>,

@@ -8,7 +8,7 @@ use std::borrow::Cow;
 
 /// One value.
 #[derive(Clone, Debug)]
-pub(super) struct Field {
+pub(super) struct Fact {
     /// Key in JSON; empty: text alone. Dots lead into objects.
     key: Cow<'static, str>,
     pub(super) label: Cow<'static, str>,
@@ -24,7 +24,7 @@ pub(super) struct Field {
     first: Option<f64>,
 }
 
-impl Field {
+impl Fact {
     fn unit(&self) -> Option<&'static str> {
         self.unit.or(unit_of(&self.key))
     }
@@ -112,7 +112,7 @@ impl Words for &str {
 /// Values in order.
 #[derive(Clone, Debug, Default)]
 pub struct Facts {
-    pub(super) all: Vec<Field>,
+    pub(super) all: Vec<Fact>,
     pub(super) is_marked: bool,
 }
 
@@ -125,7 +125,7 @@ impl Facts {
     /// Adds a value, shown in the unit of its key. Null is not shown.
     #[must_use]
     pub fn pair(mut self, key: impl Name, label: impl Name, value: impl Serialize) -> Self {
-        self.all.push(Field {
+        self.all.push(Fact {
             key: key.into(),
             label: label.into(),
             reader: Reader::Terminal,
@@ -140,7 +140,7 @@ impl Facts {
     }
 
     /// Changes the last value.
-    fn last(mut self, change: impl FnOnce(&mut Field)) -> Self {
+    fn last(mut self, change: impl FnOnce(&mut Fact)) -> Self {
         if let Some(field) = self.all.last_mut() {
             change(field);
         }
@@ -235,7 +235,7 @@ impl Facts {
     }
 
     /// Values that `reader` sees.
-    pub(super) fn shown(&self, reader: Reader) -> impl Iterator<Item = &Field> {
+    pub(super) fn shown(&self, reader: Reader) -> impl Iterator<Item = &Fact> {
         self.all.iter().filter(move |field| field.reader >= reader)
     }
 
@@ -314,7 +314,7 @@ pub fn csv(rows: &[Facts]) -> String {
         true => format!("\"{}\"", text.replace('"', "\"\"")),
         false => text.to_owned(),
     };
-    let cell = |field: &Field| match &field.value {
+    let cell = |field: &Fact| match &field.value {
         Value::Null => String::new(),
         Value::Bool(value) => u8::from(*value).to_string(),
         Value::Number(value) if value.is_f64() => {
@@ -323,7 +323,7 @@ pub fn csv(rows: &[Facts]) -> String {
         Value::String(text) => quoted(text),
         other => quoted(&other.to_string()),
     };
-    let line = |row: &Facts, cell: &dyn Fn(&Field) -> String| {
+    let line = |row: &Facts, cell: &dyn Fn(&Fact) -> String| {
         let keyed = row.all.iter().filter(|field| !field.key.is_empty());
         keyed.map(cell).collect::<Vec<_>>().join(",") + "\n"
     };

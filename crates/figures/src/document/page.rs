@@ -1,6 +1,6 @@
 //! A document as a page that opens from disk: one file, with its figures in it.
 
-use super::text::{Column, columns};
+use super::text::{TextColumn, columns};
 use super::{Document, Facts, Reader, Section};
 use std::fmt::Write;
 
@@ -82,7 +82,7 @@ fn table(rows: &[Facts]) -> String {
         .map(|column| format!("<th>{}</th>", escaped(&column.head)));
     let mut text = format!("<table><tr>{}</tr>", head.collect::<String>());
     for (index, row) in rows.iter().enumerate() {
-        let of = |column: &Column| {
+        let of = |column: &TextColumn| {
             let class = if column.is_number {
                 " class=\"number\""
             } else {

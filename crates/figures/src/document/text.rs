@@ -1,21 +1,21 @@
 //! A document as lines for a terminal.
 
-use super::facts::Field;
+use super::facts::Fact;
 use super::quantity::{number, readable};
 use super::{Document, Facts, Reader, Section};
 
 /// Least width of the column of labels.
 const LABELS: usize = 12;
 
-/// Column of a table: its head, and a cell for each row.
-pub(super) struct Column {
+/// TextColumn of a table: its head, and a cell for each row.
+pub(super) struct TextColumn {
     pub(super) head: String,
     pub(super) cells: Vec<String>,
     pub(super) is_number: bool,
 }
 
 /// Columns of `rows` that `reader` sees; those without a value are left out.
-pub(super) fn columns(rows: &[Facts], reader: Reader) -> Vec<Column> {
+pub(super) fn columns(rows: &[Facts], reader: Reader) -> Vec<TextColumn> {
     let mut labels: Vec<&str> = Vec::new();
     for field in rows.iter().flat_map(|row| row.shown(reader)) {
         if !labels.contains(&&*field.label) {
@@ -31,8 +31,8 @@ pub(super) fn columns(rows: &[Facts], reader: Reader) -> Vec<Column> {
         .collect()
 }
 
-fn column(label: &str, fields: &[Option<&Field>]) -> Column {
-    let words = |field: &Option<&Field>| {
+fn column(label: &str, fields: &[Option<&Fact>]) -> TextColumn {
+    let words = |field: &Option<&Fact>| {
         let text = field
             .map(|field| field.lines().join(" "))
             .unwrap_or_default();
@@ -41,7 +41,7 @@ fn column(label: &str, fields: &[Option<&Field>]) -> Column {
     let cells: Vec<String> = fields.iter().map(words).collect();
     let numbers: Vec<_> = fields
         .iter()
-        .map(|field| field.and_then(Field::number))
+        .map(|field| field.and_then(Fact::number))
         .collect();
     let known: Vec<_> = numbers.iter().flatten().collect();
     let is_number = !known.is_empty()
@@ -51,7 +51,7 @@ fn column(label: &str, fields: &[Option<&Field>]) -> Column {
             .zip(&cells)
             .all(|(number, cell)| number.is_some() || cell == "-");
     if !is_number {
-        return Column {
+        return TextColumn {
             head: label.into(),
             cells,
             is_number,
@@ -76,7 +76,7 @@ fn column(label: &str, fields: &[Option<&Field>]) -> Column {
     } else {
         format!("{label}, {unit}")
     };
-    Column {
+    TextColumn {
         head,
         cells: numbers.iter().map(cell).collect(),
         is_number,

@@ -46,7 +46,7 @@ pub struct Foreground<'q, S: Scene> {
     acting: Acting,
     /// Tick in which the present wait for moves, or way to rest, began.
     since: u32,
-    travel: Travel<S::N, CurvesOf<S>>,
+    travel: PathTravel<S::N, CurvesOf<S>>,
     job: JobPlace,
     /// Pose to which the platform was commanded last.
     pub(super) pose: Pose<S::N>,
@@ -61,7 +61,7 @@ pub struct Foreground<'q, S: Scene> {
 }
 
 /// Path under way, and the pace on it.
-struct Travel<N: Number, K: CurveKind> {
+struct PathTravel<N: Number, K: CurveKind> {
     path: Path,
     /// The move under way.
     current: Option<QueuedMove<N, K>>,
@@ -169,7 +169,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             state: State::Disabled,
             acting: Acting::Nothing,
             since: 0,
-            travel: Travel {
+            travel: PathTravel {
                 path: Path::None,
                 current: None,
                 position: PathPosition::START,

@@ -1,4 +1,4 @@
-//! What the images of all boards share at their pins: inputs, and outputs beside the drives. Pins come as tuples, those of a function that the
+//! Code that the images of all boards share at their pins: inputs, and outputs beside the drives. Pins come as tuples, those of a function that the
 //! scene does not name as `()`.
 #![cfg(target_os = "none")]
 #![no_std]

@@ -43,7 +43,7 @@ where
 
 /// Pins of outputs of a kind `K`.
 pub trait OutputGroup<K> {
-    /// What the tick switches.
+    /// Outputs that the tick switches.
     type Part: OutputPart;
 
     /// Makes the pins outputs that are off.

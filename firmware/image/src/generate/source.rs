@@ -204,7 +204,9 @@ fn features(file: &mut File, scene: &Scene, scalar: &str) {
             (true, None) => "trirrr_service::On".into(),
             (true, Some(bits)) => format!("trirrr_service::On<{{ {bits} }}>"),
         };
-        file.line(&format!("#[allow(dead_code)]\npub type {name} = {feature};"));
+        file.line(&format!(
+            "#[allow(dead_code)]\npub type {name} = {feature};"
+        ));
     }
     let levels = scene.service.power_lists.to_string();
     file.constant("LEVELS", "usize", levels);

@@ -39,7 +39,7 @@ pub(crate) type PacketReceiver = UsbLine<UsbBus<OtgFs>, Interrupt>;
 /// Transmitter of the line.
 pub(crate) type PacketTransmitter = UsbTransmitter<Interrupt>;
 
-/// What the background receives from.
+/// Source of the background's bytes.
 pub(crate) type PacketBytes = Consumer<'static, u8>;
 
 /// The controller.

@@ -46,7 +46,7 @@ unsafe impl UsbPeripheral for UsbDevice {
     }
 }
 
-/// What the background receives from.
+/// Source of the background's bytes.
 pub(crate) type PacketBytes = Consumer<'static, u8>;
 
 /// Starts the controller. Its pins are connected as it is switched on.
