@@ -28,6 +28,9 @@ use crate::splice::SplicePlayer;
 use trirrr_core::tick::Motor;
 use trirrr_protocol::message::{InputState, InputStates, State};
 
+/// Cycle of homing; none where the machine knows its motors.
+type HomingCycle<'q, S> = Option<Cycle<'q, <S as Scene>::N, OffsetsOf<S>>>;
+
 /// The tick's end of each feature.
 pub(crate) struct TickFeatures<'q, S: Scene> {
     pub(crate) splices: Of<QuinticsOf<S>, SplicePlayer<'q, S::N, CurvesOf<S>>>,
@@ -35,8 +38,7 @@ pub(crate) struct TickFeatures<'q, S: Scene> {
     /// Angles that this tick has added for changed encoder offsets.
     pub(crate) shifted: OffsetsOf<S>,
     pub(crate) levels: Of<S::Levels, LevelPlayer<'q, S::N>>,
-    /// `None` for a machine that knows where its motors are.
-    pub(crate) homing: Of<S::Homing, Option<Cycle<'q, S::N, OffsetsOf<S>>>>,
+    pub(crate) homing: Of<S::Homing, HomingCycle<'q, S>>,
     pub(crate) feedback: Of<S::Feedback, DriveWatch<'q, S::N>>,
     pub(crate) contact: Of<S::Contact, ContactWatch<'q, S::N>>,
     /// Moves to go back on after a contact.
