@@ -40,11 +40,11 @@ fn read(file: &str) -> String {
 #[test]
 fn a_program_behind_the_boot_loader_has_the_slot_of_the_layout() {
     for (chip, layout, _) in CHIPS {
-        let text = read(&format!("../boards/{chip}/updated/regions.x"));
+        let text = read(&format!("../boards/stm32/{chip}/updated/regions.x"));
         let slot = layout.program;
         assert_eq!(region(&text, "FLASH"), (slot.start, slot.bytes()), "{chip}");
         // The same RAM as without a boot loader.
-        let alone = read(&format!("../boards/{chip}/regions.x"));
+        let alone = read(&format!("../boards/stm32/{chip}/regions.x"));
         let ram = |text: &str| {
             let ((start, stack), (above, rest)) = (region(text, "STACK"), region(text, "RAM"));
             assert_eq!(start + stack, above, "{chip}");
