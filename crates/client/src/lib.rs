@@ -1,7 +1,7 @@
 //! Host side of the conversation with a machine: what to send next, what an answer means, when to
 //! ask again.
 //!
-//! A [`Dialogue`] has no line and no clock. [`drive`] carries it over a [`Line`]; the owner of an event loop feeds it:
+//! A [`Dialogue`] has no line and no clock. [`drive`] carries it over a [line](trirrr_line::Line); the owner of an event loop feeds it:
 //!
 //! ```text
 //!            poll(now) ──> Send, Wait, Reconnect, Done

@@ -16,6 +16,8 @@
 //! fast in the board's crate. The work of the [`Background`] is a function without parameters and stays small
 //! here.
 #![cfg_attr(target_os = "none", no_std)]
+// A feature that the scene lacks is a unit.
+#![allow(clippy::unit_arg, clippy::let_unit_value)]
 
 #[cfg(target_os = "none")]
 mod background;
