@@ -16,7 +16,7 @@ use trirrr_core::setpoint::Pose;
 /// A command with its sequence number.
 ///
 /// # Type parameters
-/// `S` is what a part of the scene in it is read as: a [`Section`], or [`Unread`] by a machine that takes none. `C` is
+/// `S` is what a part of the scene in it is read as: a [`Section`], or [`Unread`](super::Unread) by a machine that takes none. `C` is
 /// the same for quintic moves and for batches.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
 #[serde(bound(

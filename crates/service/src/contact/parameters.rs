@@ -33,7 +33,7 @@ pub struct ContactParameters {
     /// Stop at a contact.
     pub reaction: StopCategory,
     /// Ticks of the path by which the machine goes back once it has come to rest; 0 for none. Only a scene that
-    /// [retreats](crate::Retreats) does.
+    /// retreats does.
     pub retreat_ticks: u32,
 }
 
