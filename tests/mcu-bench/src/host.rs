@@ -4,7 +4,7 @@ use crate::cpu::Board;
 use crate::time::{MS, SECOND, Time, seconds};
 use anyhow::{Result, anyhow, bail};
 use std::time::Duration;
-use trirrr_client::{Action, JobClient, Patience, UserCommand};
+use trirrr_client::{Dialogue, JobClient, Patience, Turn, UserCommand};
 use trirrr_line::Frames;
 use trirrr_protocol::message::{Message, Request, Telemetry, TelemetryFields};
 use trirrr_scene::Scene;
@@ -182,10 +182,10 @@ impl Host {
         }
         loop {
             match self.client.poll(clock) {
-                Action::Send(request) => self.line.say(board, &request),
-                Action::Wait(_) => return,
-                Action::Lost => self.client.reconnected(),
-                Action::Finished(result) => {
+                Turn::Send(request) => self.line.say(board, &request),
+                Turn::Wait(_) => return,
+                Turn::Reconnect => self.client.reconnected(),
+                Turn::Done(result) => {
                     let result = result.map_err(|failure| self.client.describe(&failure));
                     self.ended = Some(result);
                     return;

@@ -10,7 +10,7 @@ use std::time::Duration;
 use trirrr_bench::faulty_link::{Fault, FaultyLink, Random};
 use trirrr_bench::job::random_job;
 use trirrr_bench::trajectory_checker::TrajectoryChecker;
-use trirrr_client::{Action, JobClient, Patience};
+use trirrr_client::{Dialogue, JobClient, Patience, Turn};
 use trirrr_core::units::Units;
 use trirrr_line::Frames;
 use trirrr_protocol::message::{
@@ -199,7 +199,7 @@ impl BadLine {
     ) -> Result<bool> {
         loop {
             match client.poll(clock) {
-                Action::Send(request) => {
+                Turn::Send(request) => {
                     let mut frame = Vec::new();
                     Frames::append(&request, &mut frame);
                     self.to_board.send(&frame);
@@ -207,10 +207,10 @@ impl BadLine {
                         self.put(board, &bytes);
                     }
                 }
-                Action::Wait(_) => return Ok(false),
-                Action::Lost => client.reconnected(),
-                Action::Finished(Ok(())) => return Ok(true),
-                Action::Finished(Err(failure)) => bail!(client.describe(&failure)),
+                Turn::Wait(_) => return Ok(false),
+                Turn::Reconnect => client.reconnected(),
+                Turn::Done(Ok(())) => return Ok(true),
+                Turn::Done(Err(failure)) => bail!(client.describe(&failure)),
             }
         }
     }

@@ -10,7 +10,9 @@ use std::cell::Cell;
 use std::path::Path;
 use std::time::Duration;
 use trirrr_boot::Slot;
-use trirrr_client::{Patience, ProgramImage, UpdateAction, UpdateClient, UpdateFailure, describe};
+use trirrr_client::{
+    Dialogue, Patience, ProgramImage, Turn, UpdateClient, UpdateFailure, describe,
+};
 use trirrr_protocol::message::{IMAGE_MARK, Refusal, UpdateRefusal};
 
 const CASE: &str = "update";
@@ -58,10 +60,10 @@ impl Updater {
             }
             loop {
                 match self.client.poll(now) {
-                    UpdateAction::Send(request) => self.line.say(board, &request),
-                    UpdateAction::Wait(_) => break,
-                    UpdateAction::Lost => self.client.reconnected(),
-                    UpdateAction::Finished(result) => {
+                    Turn::Send(request) => self.line.say(board, &request),
+                    Turn::Wait(_) => break,
+                    Turn::Reconnect => self.client.reconnected(),
+                    Turn::Done(result) => {
                         self.ended = Some(result);
                         break;
                     }
