@@ -136,17 +136,32 @@ pub(super) fn document(
     document
 }
 
+/// Directions of the free parameters, those that were seen of all, and the lines why parameters are held, with `others` behind them.
+pub(crate) fn directions(
+    [seen, of]: [usize; 2],
+    ratios: &[f64],
+    [blind, weak]: [&[String]; 2],
+    others: impl IntoIterator<Item = String>,
+) -> Facts {
+    let blind_lines = blind
+        .iter()
+        .map(|it| format!("{it} (cannot be seen, held)"));
+    let weak_lines = weak
+        .iter()
+        .map(|it| format!("{it} (seen less than it is known, held)"));
+    let held = blind_lines.chain(weak_lines).chain(others);
+    Facts::new()
+        .pair("directions.seen", "seen", seen)
+        .words(format!("{seen} of {of} directions of the free parameters"))
+        .data("directions.free", of)
+        .data("directions.signal_to_noise", ratios)
+        .data("directions.blind", blind)
+        .data("directions.weak", weak)
+        .text("held", held.collect::<Vec<_>>())
+}
+
 fn found(document: &mut Document, it: &Calibration, written: &CalibrateFiles) {
-    let (seen, of) = (it.seen(), it.free.len());
     let values: usize = it.rows.iter().map(|row| row.row.value_count()).sum();
-    let held = |list: &[String], why: &str| {
-        let line = |words: &String| format!("{words} ({why})");
-        list.iter().map(line).collect::<Vec<_>>()
-    };
-    let held = [
-        held(&it.blind, "cannot be seen, held"),
-        held(&it.weak, "seen less than it is known, held"),
-    ];
     let outliers: Vec<_> = it.rows.iter().filter(|row| row.is_outlier).collect();
     let left_out = outliers.iter().map(|row| {
         let (line, sigmas) = (row.row.line, digits(row.sigmas));
@@ -185,13 +200,12 @@ fn found(document: &mut Document, it: &Calibration, written: &CalibrateFiles) {
         Facts::new()
             .pair("rows", "rows", it.rows.len())
             .words(format!("{} with {values} values", it.rows.len()))
-            .pair("directions.seen", "seen", seen)
-            .words(format!("{seen} of {of} directions of the free parameters"))
-            .data("directions.free", of)
-            .data("directions.signal_to_noise", &it.ratios)
-            .data("directions.blind", &it.blind)
-            .data("directions.weak", &it.weak)
-            .text("held", held.concat())
+            .and(directions(
+                [it.seen(), it.free.len()],
+                &it.ratios,
+                [&it.blind, &it.weak],
+                [],
+            ))
             .text("outlier", left_out)
             .rows("outliers", outliers)
             .pair("noise_factor", "noise", it.noise_factor)

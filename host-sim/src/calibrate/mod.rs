@@ -8,6 +8,8 @@ mod patch;
 
 pub use args::{CalibrateArgs, MeasuredKind};
 
+pub(crate) use document::directions;
+
 use crate::failure::CliError;
 use crate::figures::CalibrationFigures;
 use crate::patched_scene::PatchedScene;

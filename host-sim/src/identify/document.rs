@@ -1,6 +1,7 @@
 //! An identification as a document.
 
 use super::{IdentifyArgs, IdentifyFiles, found_friction};
+use crate::calibrate::directions;
 use trirrr_calibration::identify::{Identification, body_name, body_unit};
 use trirrr_figures::document::{Document, Facts, digits};
 use trirrr_scene::Scene;
@@ -31,12 +32,7 @@ pub(super) fn head(
 
 /// Everything that was found.
 pub(super) fn document(scene: &Scene, found: &Identification, written: &IdentifyFiles) -> Document {
-    let (seen, of) = (found.seen(), found.free.len());
     let [viscous, coulomb] = found_friction(found);
-    let held = |list: &[String], why: &str| {
-        let line = |words: &String| format!("{words} ({why})");
-        list.iter().map(line).collect::<Vec<_>>()
-    };
     let at_zero: Vec<_> = found
         .at_zero
         .iter()
@@ -45,11 +41,6 @@ pub(super) fn document(scene: &Scene, found: &Identification, written: &Identify
     let zero = at_zero
         .iter()
         .map(|name| format!("{name} at 0: it would be negative"));
-    let held = [
-        held(&found.blind, "cannot be seen, held"),
-        held(&found.weak, "seen less than it is known, held"),
-        zero.collect(),
-    ];
     let pair = |[before, after]: [f64; 2]| {
         format!(
             "before: {} N m, after: {} N m",
@@ -77,14 +68,13 @@ pub(super) fn document(scene: &Scene, found: &Identification, written: &Identify
             .pair("torques", "torques", found.torques.len())
             .pair("period_s", "period", found.period_s)
             .pair("width_s", "filter", found.width_s)
-            .pair("directions.seen", "seen", seen)
-            .words(format!("{seen} of {of} directions of the free parameters"))
-            .data("directions.free", of)
-            .data("directions.signal_to_noise", &found.ratios)
-            .data("directions.blind", &found.blind)
-            .data("directions.weak", &found.weak)
-            .text("held", held.concat())
-            .data("at_zero", at_zero)
+            .and(directions(
+                [found.seen(), found.free.len()],
+                &found.ratios,
+                [&found.blind, &found.weak],
+                zero,
+            ))
+            .data("at_zero", &at_zero)
             .pair("residual_nm", "residuals", found.residual_nm)
             .words(format!("{} (RMS)", pair(found.residual_nm)))
             .pair("check_nm", "check", found.check_nm)
