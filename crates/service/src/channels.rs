@@ -6,7 +6,7 @@ use super::background::{
 use super::coefficients::Coefficients;
 use super::contact::ContactMemory;
 use super::digital::DigitalPorts;
-use super::feature::{Feature, Memory};
+use super::feature::{ChannelMemory, Feature};
 use super::feedback::DriveFeedback;
 use super::foreground::{Foreground, ForegroundEnds, TickFeatures};
 use super::handoff::{Order, QueuedMove, Recover, SharedCounters, TickReport};
@@ -114,12 +114,12 @@ where
             faults: Queue::new(),
             samples: Queue::new(),
             events: Queue::new(),
-            splices: Memory::EMPTY,
-            setups: Memory::EMPTY,
-            levels: Memory::EMPTY,
-            feedback: Memory::EMPTY,
-            contact: Memory::EMPTY,
-            digital: Memory::EMPTY,
+            splices: ChannelMemory::EMPTY,
+            setups: ChannelMemory::EMPTY,
+            levels: ChannelMemory::EMPTY,
+            feedback: ChannelMemory::EMPTY,
+            contact: ChannelMemory::EMPTY,
+            digital: ChannelMemory::EMPTY,
             planner: PlannerOf::<S>::EMPTY,
             window: RequestWindow::EMPTY,
             shared: SharedCounters::new(),

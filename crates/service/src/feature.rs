@@ -21,7 +21,7 @@ pub trait Feature: 'static {
     type Of<T>: Optional<T>;
 
     /// The same for memory that is empty at the start.
-    type Memory<T: Memory>: Optional<T> + Memory;
+    type Memory<T: ChannelMemory>: Optional<T> + ChannelMemory;
 
     /// The same for a `T` in a request: without the feature it is not read.
     type Read<T: Copy + Debug + PartialEq + DeserializeOwned + Schema>: Content<T>;
@@ -30,7 +30,7 @@ pub trait Feature: 'static {
     fn of<T>(make: impl FnOnce() -> T) -> Self::Of<T>;
 
     /// Takes the two ends of a memory.
-    fn split<'q, T: Memory + 'q, A, B>(
+    fn split<'q, T: ChannelMemory + 'q, A, B>(
         memory: &'q mut Self::Memory<T>,
         split: impl FnOnce(&'q mut T) -> (A, B),
     ) -> (Self::Of<A>, Self::Of<B>);
@@ -52,7 +52,7 @@ pub trait Optional<T> {
 }
 
 /// Memory that is part of [`Channels`](crate::Channels).
-pub trait Memory {
+pub trait ChannelMemory {
     /// Nothing in it.
     const EMPTY: Self;
 }
@@ -69,7 +69,7 @@ impl<const BITS: u8> Feature for On<BITS> {
     const EXISTS: bool = true;
     const BITS: u8 = BITS;
     type Of<T> = Present<T>;
-    type Memory<T: Memory> = Present<T>;
+    type Memory<T: ChannelMemory> = Present<T>;
     type Read<T: Copy + Debug + PartialEq + DeserializeOwned + Schema> = T;
 
     #[inline(always)]
@@ -78,7 +78,7 @@ impl<const BITS: u8> Feature for On<BITS> {
     }
 
     #[inline(always)]
-    fn split<'q, T: Memory + 'q, A, B>(
+    fn split<'q, T: ChannelMemory + 'q, A, B>(
         memory: &'q mut Present<T>,
         split: impl FnOnce(&'q mut T) -> (A, B),
     ) -> (Present<A>, Present<B>) {
@@ -99,14 +99,14 @@ impl<const BITS: u8> Feature for On<BITS> {
 impl Feature for () {
     const EXISTS: bool = false;
     type Of<T> = ();
-    type Memory<T: Memory> = ();
+    type Memory<T: ChannelMemory> = ();
     type Read<T: Copy + Debug + PartialEq + DeserializeOwned + Schema> = Unread<T>;
 
     #[inline(always)]
     fn of<T>(_: impl FnOnce() -> T) {}
 
     #[inline(always)]
-    fn split<'q, T: Memory + 'q, A, B>(
+    fn split<'q, T: ChannelMemory + 'q, A, B>(
         (): &'q mut (),
         _: impl FnOnce(&'q mut T) -> (A, B),
     ) -> ((), ()) {
@@ -146,11 +146,11 @@ impl<T> Optional<T> for Present<T> {
     }
 }
 
-impl Memory for () {
+impl ChannelMemory for () {
     const EMPTY: Self = ();
 }
 
-impl<T: Memory> Memory for Present<T> {
+impl<T: ChannelMemory> ChannelMemory for Present<T> {
     const EMPTY: Self = Self(T::EMPTY);
 }
 

@@ -73,7 +73,7 @@ pub use contact::{
 };
 pub use curves::PlayedCurves;
 pub use digital::DigitalParameters;
-pub use feature::{Feature, Memory, On, Optional, Present};
+pub use feature::{ChannelMemory, Feature, On, Optional, Present};
 pub use feedback::{FeedbackCoefficients, FeedbackParameters, Readings, WatchLimits};
 pub use foreground::{Foreground, Output, Power};
 pub use homing::{

@@ -5,7 +5,7 @@
 //! to the next. There are two such queues, taken in turn: what is left of the one before is dropped at once. Behind
 //! the chain the common queue goes on, once what was cut is dropped from it, too.
 
-use crate::feature::Memory;
+use crate::feature::ChannelMemory;
 use crate::handoff::{Ahead, QueuedMove};
 use crate::number::ServiceNumber;
 use crate::queue::{Receiver, Sender};
@@ -75,7 +75,7 @@ pub(crate) struct SpliceQueues<N: ServiceNumber, K: CurveKind> {
     published: AtomicU8,
 }
 
-impl<N: ServiceNumber, K: CurveKind> Memory for SpliceQueues<N, K> {
+impl<N: ServiceNumber, K: CurveKind> ChannelMemory for SpliceQueues<N, K> {
     const EMPTY: Self = Self {
         chains: [Queue::new(), Queue::new()],
         orders: Queue::new(),

@@ -5,7 +5,7 @@ use super::plant::SimulatedMachine;
 use super::play::RedundantReport;
 use super::{kind_text, placement_text, slider_texts};
 use crate::run::JobEnd;
-use crate::run::document::{PlayedJob, add_lagrange, add_peaks, at, counted, signal};
+use crate::run::document::{RunOutcome, add_lagrange, add_peaks, at, counted, signal};
 use std::path::Path;
 use trirrr_figures::document::{Document, Facts, digits, quantity};
 use trirrr_linkage::redundant::scene::RedundantScene;
@@ -73,7 +73,7 @@ pub(super) fn played(file: &Path, scene: &RedundantScene, report: &RedundantRepo
         true => JobEnd::Complete,
         false => JobEnd::Stopped,
     };
-    let played = PlayedJob {
+    let played = RunOutcome {
         name: &scene.name,
         description: &scene.description,
         file,

@@ -13,7 +13,7 @@ use trirrr_scene::Scene;
 use trirrr_scene::words::{short, tick_time};
 
 /// Job that was played, and how.
-pub(crate) struct PlayedJob<'a> {
+pub(crate) struct RunOutcome<'a> {
     pub(crate) name: &'a str,
     pub(crate) description: &'a str,
     pub(crate) file: &'a Path,
@@ -34,7 +34,7 @@ pub(crate) fn counted(count: usize, thing: &str) -> String {
     format!("{count} {thing}{plural}")
 }
 
-impl PlayedJob<'_> {
+impl RunOutcome<'_> {
     /// Scene, and what it is.
     pub(crate) fn scene(&self) -> Facts {
         let words = format!("{} ({})", self.name, self.file.display());
@@ -208,7 +208,7 @@ pub(crate) fn add_lagrange(document: &mut Document, found: Option<&LagrangeFound
 
 /// The run of `scene`, read from `file`.
 pub(super) fn document(file: &Path, scene: &Scene, report: &RunReport) -> Document {
-    let played = PlayedJob {
+    let played = RunOutcome {
         name: &scene.name,
         description: &scene.description,
         file,

@@ -13,15 +13,15 @@ use trirrr_service::{
 
 /// Feedback that is counted: of drives in the MIT mode no answers are imitated.
 #[cfg(drive = "odrive")]
-type Feedback = scene::Feedback;
+type CountedFeedback = scene::Feedback;
 #[cfg(not(drive = "odrive"))]
-type Feedback = ();
+type CountedFeedback = ();
 
-/// Contact detection on it.
+/// Detection of contacts on it.
 #[cfg(drive = "odrive")]
-type Contact = scene::Contact;
+type CountedContact = scene::Contact;
 #[cfg(not(drive = "odrive"))]
-type Contact = ();
+type CountedContact = ();
 
 trirrr_service::scene! {
     /// The scene that is counted: one that does not change, without retreats and spare pins.
@@ -29,8 +29,8 @@ trirrr_service::scene! {
     batches = scene::Batches,
     levels = scene::Levels,
     homing = scene::Homing,
-    feedback = Feedback,
-    contact = Contact,
+    feedback = CountedFeedback,
+    contact = CountedContact,
     interlocks = scene::Interlocks,
     probe = scene::Probe
 }

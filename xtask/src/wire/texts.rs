@@ -200,14 +200,14 @@ mod tests {
     fn arms_that_are_texts_are_taken_and_others_left() {
         let found: ExprMatch = syn::parse_quote! {
             match found {
-                TypeKind::Plain => "a {b} \"c\"".into(),
-                TypeKind::One(_) | TypeKind::Other { .. } => { let x = x + 1; format!("place {x:#010x}") }
-                TypeKind::Of { count: 0 } => "none".into(),
-                TypeKind::Of { count } => format!("{count}"),
-                TypeKind::If if it => "guarded",
-                TypeKind::Numbers => [1, -2],
-                TypeKind::Computed => format!("{}", 1),
-                TypeKind::Called => of(1),
+                Kind::Plain => "a {b} \"c\"".into(),
+                Kind::One(_) | TypeKind::Other { .. } => { let x = x + 1; format!("place {x:#010x}") }
+                Kind::Of { count: 0 } => "none".into(),
+                Kind::Of { count } => format!("{count}"),
+                Kind::If if it => "guarded",
+                Kind::Numbers => [1, -2],
+                Kind::Computed => format!("{}", 1),
+                Kind::Called => of(1),
             }
         };
         let rows: Vec<TextRow> = found.arms.iter().flat_map(rows).collect();

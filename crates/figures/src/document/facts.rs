@@ -80,30 +80,30 @@ pub trait Name: Into<Cow<'static, str>> {}
 impl<T: Into<Cow<'static, str>>> Name for T {}
 
 /// Lines of text; an empty one is none.
-pub trait Words {
+pub trait TextLines {
     /// Returns the lines.
     fn lines(self) -> Vec<String>;
 }
 
-impl Words for Vec<String> {
+impl TextLines for Vec<String> {
     fn lines(self) -> Vec<String> {
         self
     }
 }
 
-impl Words for Option<String> {
+impl TextLines for Option<String> {
     fn lines(self) -> Vec<String> {
         Vec::from_iter(self)
     }
 }
 
-impl Words for String {
+impl TextLines for String {
     fn lines(self) -> Vec<String> {
         vec![self]
     }
 }
 
-impl Words for &str {
+impl TextLines for &str {
     fn lines(self) -> Vec<String> {
         vec![self.into()]
     }
@@ -141,8 +141,8 @@ impl Facts {
 
     /// Changes the last value.
     fn last(mut self, change: impl FnOnce(&mut Fact)) -> Self {
-        if let Some(field) = self.all.last_mut() {
-            change(field);
+        if let Some(fact) = self.all.last_mut() {
+            change(fact);
         }
         self
     }
@@ -151,20 +151,20 @@ impl Facts {
     #[must_use]
     pub fn data(self, key: impl Name, value: impl Serialize) -> Self {
         let with = self.pair(key, "", value);
-        with.last(|field| field.reader = Reader::Program)
+        with.last(|fact| fact.reader = Reader::Program)
     }
 
     /// Shows the last value by these words.
     #[must_use]
-    pub fn words(self, words: impl Words) -> Self {
+    pub fn words(self, words: impl TextLines) -> Self {
         let mut lines = words.lines();
         lines.retain(|line| !line.is_empty());
-        self.last(|field| field.given = Some(lines))
+        self.last(|fact| fact.given = Some(lines))
     }
 
     /// Adds lines of words that follow from other values.
     #[must_use]
-    pub fn text(self, label: impl Name, words: impl Words) -> Self {
+    pub fn text(self, label: impl Name, words: impl TextLines) -> Self {
         self.pair("", label, ()).words(words)
     }
 
@@ -182,41 +182,41 @@ impl Facts {
 
     /// Adds an object, shown in one line; null is not shown. In a table its first number stands for it.
     #[must_use]
-    pub fn group(self, key: impl Name, label: impl Name, fields: impl Into<Option<Facts>>) -> Self {
+    pub fn group(self, key: impl Name, label: impl Name, facts: impl Into<Option<Facts>>) -> Self {
         let key = key.into();
-        let fields = fields.into();
+        let facts = facts.into();
         let unit = unit_of(&key);
-        let line = fields.as_ref().map(|fields| fields.line_in(unit));
-        let first = fields
+        let line = facts.as_ref().map(|facts| facts.line_in(unit));
+        let first = facts
             .as_ref()
-            .and_then(|fields| fields.all.first()?.value.as_f64());
-        let with = self.pair(key, label, fields).words(line);
-        with.last(|field| field.first = first)
+            .and_then(|facts| facts.all.first()?.value.as_f64());
+        let with = self.pair(key, label, facts).words(line);
+        with.last(|fact| fact.first = first)
     }
 
     /// Shows the last value in `unit`.
     #[must_use]
     pub fn in_unit(self, unit: &'static str) -> Self {
-        self.last(|field| field.unit = Some(unit))
+        self.last(|fact| fact.unit = Some(unit))
     }
 
     /// Shows the last value with so many decimals of its unit, in a table.
     #[must_use]
     pub fn decimals(self, decimals: usize) -> Self {
-        self.last(|field| field.decimals = Some(decimals))
+        self.last(|fact| fact.decimals = Some(decimals))
     }
 
     /// Leaves the last value to readers of the page.
     #[must_use]
     pub fn page_only(self) -> Self {
-        self.last(|field| field.reader = Reader::Page)
+        self.last(|fact| fact.reader = Reader::Page)
     }
 
     /// Leaves all values to readers of the page.
     #[must_use]
     pub fn page_row(mut self) -> Self {
         let all = self.all.iter_mut();
-        all.for_each(|field| field.reader = field.reader.min(Reader::Page));
+        all.for_each(|fact| fact.reader = fact.reader.min(Reader::Page));
         self
     }
 
@@ -236,7 +236,7 @@ impl Facts {
 
     /// Values that `reader` sees.
     pub(super) fn shown(&self, reader: Reader) -> impl Iterator<Item = &Fact> {
-        self.all.iter().filter(move |field| field.reader >= reader)
+        self.all.iter().filter(move |fact| fact.reader >= reader)
     }
 
     /// The values in one line.
@@ -247,9 +247,9 @@ impl Facts {
     /// The values in one line; those without a unit are in `unit`.
     pub fn line_in(&self, unit: Option<&'static str>) -> String {
         let mut text = String::new();
-        for field in self.shown(Reader::Terminal) {
-            let own = || words(&field.value, field.unit().or(unit)).unwrap_or_default();
-            let words = field
+        for fact in self.shown(Reader::Terminal) {
+            let own = || words(&fact.value, fact.unit().or(unit)).unwrap_or_default();
+            let words = fact
                 .given
                 .as_ref()
                 .map_or_else(own, |lines| lines.join(" "));
@@ -257,21 +257,21 @@ impl Facts {
                 continue;
             }
             // A time or a place belongs to the value before it.
-            text += match matches!(&*field.label, "at" | "at t =") {
+            text += match matches!(&*fact.label, "at" | "at t =") {
                 _ if text.is_empty() => "",
                 true => " ",
                 false => ", ",
             };
-            text += &field.label;
-            text += if field.label.is_empty() { "" } else { " " };
+            text += &fact.label;
+            text += if fact.label.is_empty() { "" } else { " " };
             text += &words;
         }
         text
     }
 
     pub(super) fn json_into(&self, map: &mut Map<String, Value>) {
-        for field in self.all.iter().filter(|field| !field.key.is_empty()) {
-            insert(map, &field.key, field.value.clone());
+        for fact in self.all.iter().filter(|fact| !fact.key.is_empty()) {
+            insert(map, &fact.key, fact.value.clone());
         }
     }
 }
@@ -314,7 +314,7 @@ pub fn csv(rows: &[Facts]) -> String {
         true => format!("\"{}\"", text.replace('"', "\"\"")),
         false => text.to_owned(),
     };
-    let cell = |field: &Fact| match &field.value {
+    let cell = |fact: &Fact| match &fact.value {
         Value::Null => String::new(),
         Value::Bool(value) => u8::from(*value).to_string(),
         Value::Number(value) if value.is_f64() => {
@@ -324,12 +324,10 @@ pub fn csv(rows: &[Facts]) -> String {
         other => quoted(&other.to_string()),
     };
     let line = |row: &Facts, cell: &dyn Fn(&Fact) -> String| {
-        let keyed = row.all.iter().filter(|field| !field.key.is_empty());
+        let keyed = row.all.iter().filter(|fact| !fact.key.is_empty());
         keyed.map(cell).collect::<Vec<_>>().join(",") + "\n"
     };
-    let head = rows
-        .first()
-        .map(|row| line(row, &|field| quoted(&field.key)));
+    let head = rows.first().map(|row| line(row, &|fact| quoted(&fact.key)));
     let head = head.unwrap_or_default();
     rows.iter().fold(head, |text, row| text + &line(row, &cell))
 }

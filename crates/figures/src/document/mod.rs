@@ -29,7 +29,7 @@ enum Reader {
 }
 
 #[derive(Clone, Debug)]
-enum Section {
+enum DocumentPart {
     Heading(String),
     Pairs {
         /// Place of the object in JSON, with dots between its steps; empty: the root.
@@ -50,7 +50,7 @@ enum Section {
 /// Result of a command.
 #[derive(Clone, Debug, Default)]
 pub struct Document {
-    sections: Vec<(Reader, Section)>,
+    sections: Vec<(Reader, DocumentPart)>,
 }
 
 impl Document {
@@ -59,19 +59,19 @@ impl Document {
         Self::default()
     }
 
-    fn add(&mut self, reader: Reader, section: Section) -> &mut Self {
+    fn add(&mut self, reader: Reader, section: DocumentPart) -> &mut Self {
         self.sections.push((reader, section));
         self
     }
 
     /// Begins a part with a heading.
     pub fn heading(&mut self, text: impl Into<String>) -> &mut Self {
-        self.add(Reader::Terminal, Section::Heading(text.into()))
+        self.add(Reader::Terminal, DocumentPart::Heading(text.into()))
     }
 
     /// Begins a part of the page.
     pub fn page_heading(&mut self, text: impl Into<String>) -> &mut Self {
-        self.add(Reader::Page, Section::Heading(text.into()))
+        self.add(Reader::Page, DocumentPart::Heading(text.into()))
     }
 
     /// Adds values to the object.
@@ -81,17 +81,17 @@ impl Document {
 
     /// Adds values to the object at `key`; dots lead into objects.
     pub fn pairs_in(&mut self, key: &'static str, facts: Facts) -> &mut Self {
-        self.add(Reader::Terminal, Section::Pairs { key, facts })
+        self.add(Reader::Terminal, DocumentPart::Pairs { key, facts })
     }
 
     /// Adds a table. JSON has its rows as an array of objects at `key`.
     pub fn table(&mut self, key: &'static str, rows: Vec<Facts>) -> &mut Self {
-        self.add(Reader::Terminal, Section::Table { key, rows })
+        self.add(Reader::Terminal, DocumentPart::Table { key, rows })
     }
 
     /// Adds a table for the page and JSON.
     pub fn page_table(&mut self, key: &'static str, rows: Vec<Facts>) -> &mut Self {
-        self.add(Reader::Page, Section::Table { key, rows })
+        self.add(Reader::Page, DocumentPart::Table { key, rows })
     }
 
     /// Adds a value for programs at `key`.
@@ -101,23 +101,23 @@ impl Document {
 
     /// Adds a sentence.
     pub fn note(&mut self, text: impl Into<String>) -> &mut Self {
-        self.add(Reader::Terminal, Section::Note(text.into()))
+        self.add(Reader::Terminal, DocumentPart::Note(text.into()))
     }
 
     /// Adds a sentence to the page.
     pub fn page_note(&mut self, text: impl Into<String>) -> &mut Self {
-        self.add(Reader::Page, Section::Note(text.into()))
+        self.add(Reader::Page, DocumentPart::Note(text.into()))
     }
 
     /// Adds a figure to the page: SVG or HTML, as it is.
     pub fn figure(&mut self, svg: impl Into<String>) -> &mut Self {
-        self.add(Reader::Page, Section::Figure(svg.into()))
+        self.add(Reader::Page, DocumentPart::Figure(svg.into()))
     }
 
     /// Adds the written files.
     pub fn files(&mut self, files: impl IntoIterator<Item = impl Into<PathBuf>>) -> &mut Self {
         let files = files.into_iter().map(Into::into).collect();
-        self.add(Reader::Terminal, Section::Files(files))
+        self.add(Reader::Terminal, DocumentPart::Files(files))
     }
 
     /// Object of the document.
@@ -125,12 +125,12 @@ impl Document {
         let mut root = Map::new();
         for (_, section) in &self.sections {
             match section {
-                Section::Pairs { key: "", facts } => facts.json_into(&mut root),
-                Section::Pairs { key, facts } => facts::insert(&mut root, key, json!(facts)),
-                Section::Table { key, rows } if !key.is_empty() => {
+                DocumentPart::Pairs { key: "", facts } => facts.json_into(&mut root),
+                DocumentPart::Pairs { key, facts } => facts::insert(&mut root, key, json!(facts)),
+                DocumentPart::Table { key, rows } if !key.is_empty() => {
                     facts::insert(&mut root, key, json!(rows));
                 }
-                Section::Files(files) => facts::insert(&mut root, "files", json!(files)),
+                DocumentPart::Files(files) => facts::insert(&mut root, "files", json!(files)),
                 _ => {}
             }
         }

@@ -1,7 +1,7 @@
 //! A document as a page that opens from disk: one file, with its figures in it.
 
 use super::text::{TextColumn, columns};
-use super::{Document, Facts, Reader, Section};
+use super::{Document, DocumentPart, Facts, Reader};
 use std::fmt::Write;
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:1200px;margin:2em auto;padding:0 1em;color:#222}\
@@ -29,12 +29,12 @@ impl Document {
         {
             // Writing to a string does not fail.
             let _ = match section {
-                Section::Heading(heading) => writeln!(page, "<h2>{}</h2>", escaped(heading)),
-                Section::Pairs { facts, .. } => writeln!(page, "{}", pairs(facts)),
-                Section::Table { rows, .. } => writeln!(page, "{}", table(rows)),
-                Section::Note(note) => writeln!(page, "<p>{}</p>", escaped(note)),
-                Section::Figure(svg) => writeln!(page, "{svg}"),
-                Section::Files(files) => {
+                DocumentPart::Heading(heading) => writeln!(page, "<h2>{}</h2>", escaped(heading)),
+                DocumentPart::Pairs { facts, .. } => writeln!(page, "{}", pairs(facts)),
+                DocumentPart::Table { rows, .. } => writeln!(page, "{}", table(rows)),
+                DocumentPart::Note(note) => writeln!(page, "<p>{}</p>", escaped(note)),
+                DocumentPart::Figure(svg) => writeln!(page, "{svg}"),
+                DocumentPart::Files(files) => {
                     let names = files
                         .iter()
                         .filter_map(|file| Some(escaped(&file.file_name()?.to_string_lossy())));

@@ -2,7 +2,7 @@
 
 use super::facts::Fact;
 use super::quantity::{number, readable};
-use super::{Document, Facts, Reader, Section};
+use super::{Document, DocumentPart, Facts, Reader};
 
 /// Least width of the column of labels.
 const LABELS: usize = 12;
@@ -104,11 +104,11 @@ impl Document {
             .filter(|(reader, _)| *reader == Reader::Terminal)
         {
             let part = match section {
-                Section::Heading(text) | Section::Note(text) => shown(text) + "\n",
-                Section::Pairs { facts, .. } => pairs(facts, width),
-                Section::Table { rows, .. } => table(rows),
-                Section::Figure(_) => String::new(),
-                Section::Files(files) => {
+                DocumentPart::Heading(text) | DocumentPart::Note(text) => shown(text) + "\n",
+                DocumentPart::Pairs { facts, .. } => pairs(facts, width),
+                DocumentPart::Table { rows, .. } => table(rows),
+                DocumentPart::Figure(_) => String::new(),
+                DocumentPart::Files(files) => {
                     let files = files.iter().map(|file| file.display().to_string());
                     pairs(&Facts::new().text("written", Vec::from_iter(files)), width)
                 }
@@ -117,10 +117,10 @@ impl Document {
                 continue;
             }
             // A heading and a note belong to their neighbours.
-            let joins = is_heading || matches!(section, Section::Note(_));
+            let joins = is_heading || matches!(section, DocumentPart::Note(_));
             text += if text.is_empty() || joins { "" } else { "\n" };
             text += &part;
-            is_heading = matches!(section, Section::Heading(_));
+            is_heading = matches!(section, DocumentPart::Heading(_));
         }
         text
     }
@@ -130,7 +130,7 @@ impl Document {
             .sections
             .iter()
             .filter_map(|(_, section)| match section {
-                Section::Pairs { facts, .. } => Some(facts.shown(Reader::Terminal)),
+                DocumentPart::Pairs { facts, .. } => Some(facts.shown(Reader::Terminal)),
                 _ => None,
             });
         let labels = pairs.flatten().filter(|field| !field.lines().is_empty());

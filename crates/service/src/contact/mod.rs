@@ -24,7 +24,7 @@ pub use observer::{ContactObserver, Deviation};
 pub use parameters::{ContactCoefficients, ContactParameters, ContactThresholds};
 pub(crate) use watch::ContactWatch;
 
-use crate::feature::Memory;
+use crate::feature::ChannelMemory;
 use crate::number::ServiceNumber;
 use crate::queue::{Receiver, Sender};
 use heapless::spsc::Queue;
@@ -43,7 +43,7 @@ pub(crate) struct ContactMemory<N: ServiceNumber> {
     models: Queue<ContactModel<N>, 2>,
 }
 
-impl<N: ServiceNumber> Memory for ContactMemory<N> {
+impl<N: ServiceNumber> ChannelMemory for ContactMemory<N> {
     const EMPTY: Self = Self {
         poses: Queue::new(),
         models: Queue::new(),

@@ -10,7 +10,7 @@ mod sender;
 pub(crate) use player::DigitalPlayer;
 pub(crate) use sender::DigitalSender;
 
-use crate::feature::Memory;
+use crate::feature::ChannelMemory;
 use crate::queue::{Receiver, Sender};
 use heapless::spsc::Queue;
 use trirrr_core::to_source;
@@ -52,7 +52,7 @@ pub(crate) struct DigitalPorts {
     changes: Queue<OutputChange, { CHANGES + 1 }>,
 }
 
-impl Memory for DigitalPorts {
+impl ChannelMemory for DigitalPorts {
     const EMPTY: Self = Self {
         changes: Queue::new(),
     };

@@ -16,7 +16,7 @@ pub use parameters::{FeedbackCoefficients, FeedbackParameters, WatchLimits};
 pub(crate) use watch::DriveWatch;
 pub(crate) use watch::EnableProgress;
 
-use crate::feature::Memory;
+use crate::feature::ChannelMemory;
 use crate::number::ServiceNumber;
 use crate::queue::{Receiver, Sender};
 use heapless::spsc::Queue;
@@ -52,7 +52,7 @@ pub(crate) struct DriveFeedback<N: ServiceNumber> {
     samples: Queue<DriveSample<N>, SAMPLES>,
 }
 
-impl<N: ServiceNumber> Memory for DriveFeedback<N> {
+impl<N: ServiceNumber> ChannelMemory for DriveFeedback<N> {
     const EMPTY: Self = Self {
         samples: Queue::new(),
     };

@@ -12,7 +12,7 @@ pub(crate) use list::MoveLevels;
 pub(crate) use player::LevelPlayer;
 pub(crate) use store::LevelStore;
 
-use crate::feature::Memory;
+use crate::feature::ChannelMemory;
 use crate::number::ServiceNumber;
 use crate::offered::Offered;
 use crate::queue::{Receiver, Sender};
@@ -30,7 +30,7 @@ pub(crate) struct LevelRing<N: ServiceNumber, const BYTES: usize> {
     released: AtomicU32,
 }
 
-impl<N: ServiceNumber, const BYTES: usize> Memory for LevelRing<N, BYTES> {
+impl<N: ServiceNumber, const BYTES: usize> ChannelMemory for LevelRing<N, BYTES> {
     const EMPTY: Self = {
         assert!(BYTES.is_power_of_two() && BYTES <= 1 << 15, "BYTES");
         Self {

@@ -21,7 +21,7 @@ pub use values::{SceneValues, StepperValues, needs_of_model};
 
 use crate::coefficients::Coefficients;
 use crate::curves::PlayedCurves;
-use crate::feature::{Feature, Memory, Of};
+use crate::feature::{ChannelMemory, Feature, Of};
 use crate::number::ServiceNumber;
 use crate::planner::PathPlanner;
 use crate::queue::{Receiver, Sender};
@@ -77,7 +77,7 @@ pub struct Changed {
 /// Mailbox for a setup on its way to the tick.
 pub(crate) struct SetupSlot<M: Model>(Queue<Setup<M>, 2>);
 
-impl<M: Model> Memory for SetupSlot<M> {
+impl<M: Model> ChannelMemory for SetupSlot<M> {
     const EMPTY: Self = Self(Queue::new());
 }
 

@@ -2,7 +2,7 @@
 //! (`cargo xtask nightly`): a part that is read before it is written, or in the wrong order, is found there.
 
 use super::*;
-use crate::feature::Memory;
+use crate::feature::ChannelMemory;
 use crate::handoff::{Ahead, QueuedMove, SharedCounters};
 use crate::levels::LevelRing;
 use crate::offered::Offered;
