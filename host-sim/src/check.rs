@@ -3,13 +3,12 @@
 use crate::failure::CliError;
 use crate::job_file::{self, JobFileArgs, LoadedJob, LongMoves};
 use crate::redundant;
-use crate::run::document::counted;
 use crate::terminal::show;
 use clap::Args;
 use std::path::PathBuf;
 use trirrr_figures::document::{Document, Facts};
 use trirrr_scene::Scene;
-use trirrr_scene::words::tick_time;
+use trirrr_scene::words::{counted, tick_time};
 
 /// `trirrr check`.
 ///

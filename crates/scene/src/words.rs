@@ -3,6 +3,12 @@
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Bounded, LeastDuration, Violation};
 
+/// A number of things: `1 move`, `3 moves`.
+pub fn counted(count: usize, thing: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {thing}{plural}")
+}
+
 /// Names the bounded quantity and its leg or motor, counted from 1: `torque of motor 2`.
 pub fn subject(what: Bounded, index: Option<u8>) -> String {
     let (name, part) = match what {

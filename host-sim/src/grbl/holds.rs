@@ -1,24 +1,10 @@
 //! Holds of a sender at random instants, with the true machine in virtual time.
 
-use super::driver::{MachineDriver, place_of};
-use super::path::MOTIONS;
-use super::reach::SceneReach;
-use crate::job_file::JobFileArgs;
-use std::collections::VecDeque;
-use std::time::Duration;
-use trirrr_client::local::{self, LocalService};
-use trirrr_client::{Dialogue, Patience, Turn};
-use trirrr_grbl::{Dialect, MachineFacts};
-use trirrr_jobs::{gcode_job, job_scene};
-use trirrr_protocol::message::{Message, Request, State};
+use super::bench::{Bench, LATENCY, Random, planned, with_bench};
 use trirrr_scene::{LongestStop, Scene};
-use trirrr_service::InterlockReadings;
 
 /// Number type. Its planner has room for all that these jobs ask for.
 type N = f64;
-
-/// Longest way of a frame, ticks.
-const LATENCY: usize = 5;
 
 /// Ticks from a real-time byte to the one that slows down, at most: an order under way, its answer and the hold on the line, and a tick for
 /// the dialect, the driver and the machine each. The door is heard by the machine itself.
@@ -30,159 +16,6 @@ const WAY: f64 = 1.02;
 
 /// Ticks after which each hold is at rest.
 const REST: usize = 600;
-
-/// Slices of the work below a tick.
-const SLICES: u32 = 400;
-
-/// xorshift64*.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, most: usize) -> usize {
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 33) as usize % most
-    }
-}
-
-/// One direction of the line to the machine. Frames keep their order, and each takes a random time.
-struct Line<T>(VecDeque<(u64, T)>);
-
-impl<T> Line<T> {
-    fn put(&mut self, item: T, tick: u64, random: &mut Random) {
-        let earliest = tick + 1 + random.below(LATENCY) as u64;
-        let at = self
-            .0
-            .back()
-            .map_or(earliest, |(before, _)| earliest.max(*before));
-        self.0.push_back((at, item));
-    }
-
-    /// Next one that has arrived.
-    fn take(&mut self, tick: u64) -> Option<T> {
-        match self.0.front() {
-            Some((at, _)) if *at <= tick => self.0.pop_front().map(|(_, item)| item),
-            _ => None,
-        }
-    }
-}
-
-/// Machine, driver and dialect, with a line that takes a random time.
-struct Bench<'a> {
-    machine: &'a mut dyn LocalService<N>,
-    driver: MachineDriver<N>,
-    dialect: Dialect,
-    reach: &'a SceneReach<'a>,
-    random: Random,
-    tick: u64,
-    requests: Line<Request<N>>,
-    messages: Line<Message<N>>,
-    door: bool,
-    input: bool,
-    said: String,
-    place: [f64; 2],
-    /// Tick of the last motion.
-    moved: u64,
-    /// First tick that slowed down since the last byte, and the place before it.
-    slowed: Option<(u64, [f64; 2])>,
-}
-
-impl Bench<'_> {
-    fn now(&self) -> Duration {
-        Duration::from_millis(self.tick)
-    }
-
-    /// A millisecond.
-    fn pass(&mut self) {
-        self.tick += 1;
-        self.machine.sense(InterlockReadings {
-            door: self.door,
-            ..InterlockReadings::default()
-        });
-        self.machine.sense_digital(u8::from(self.input));
-        let before = self.place;
-        self.machine.tick();
-        if matches!(self.machine.state(), State::Slowing | State::Stopping) {
-            self.slowed.get_or_insert((self.tick, before));
-        }
-        if let Some(played) = self.machine.motion() {
-            let position = &played.0.pose.position;
-            let place = [position.x, position.y];
-            if place != self.place {
-                (self.place, self.moved) = (place, self.tick);
-            }
-        }
-        let _ = (0..SLICES).all(|_| self.machine.work());
-        let (tick, now) = (self.tick, self.now());
-        while let Some(message) = self.machine.outgoing() {
-            self.messages.put(message, tick, &mut self.random);
-        }
-        while let Some(request) = self.requests.take(tick) {
-            let reply = self.machine.receive(&request);
-            let sequence = request.sequence;
-            let answer = Message::Reply { sequence, reply };
-            self.messages.put(answer, tick, &mut self.random);
-        }
-        while let Some(message) = self.messages.take(tick) {
-            self.driver.receive(&message, now);
-        }
-        while let Turn::Send(request) = self.driver.poll(now) {
-            self.requests.put(request, tick, &mut self.random);
-        }
-        if let Some(reason) = self.driver.take_refused() {
-            self.dialect.refused(&reason);
-        }
-        let view = self.driver.view();
-        for act in self.dialect.step(self.now(), &view, self.reach) {
-            self.driver.take(act);
-        }
-        self.said += &String::from_utf8(self.dialect.take_output()).expect("text");
-    }
-
-    fn pass_for(&mut self, ticks: usize) {
-        (0..ticks).for_each(|_| self.pass());
-    }
-
-    fn send(&mut self, bytes: &[u8]) {
-        self.dialect.bytes(bytes);
-    }
-
-    /// Answers so far.
-    fn answers(&self) -> usize {
-        let is_answer = |line: &&str| *line == "ok" || line.starts_with("error:");
-        self.said.lines().filter(is_answer).count()
-    }
-
-    /// State of a report.
-    fn state(&mut self) -> String {
-        let before = self.said.len();
-        self.send(b"?");
-        self.pass();
-        let report = self.said[before..]
-            .lines()
-            .find_map(|line| line.strip_prefix('<'));
-        let report = report.expect("a report");
-        report.split('|').next().expect("a state").to_owned()
-    }
-
-    /// Waits for `what` at most so many ticks.
-    fn until(&mut self, ticks: usize, what: impl Fn(&mut Self) -> bool) {
-        for _ in 0..ticks {
-            if what(self) {
-                return;
-            }
-            self.pass();
-        }
-        panic!("it does not come: {}", self.told());
-    }
-
-    /// Lines that were said, without reports.
-    fn told(&self) -> String {
-        let lines = self.said.lines().filter(|line| !line.starts_with('<'));
-        lines.collect::<Vec<_>>().join("\n")
-    }
-}
 
 /// Figures of holds.
 #[derive(Debug, Default)]
@@ -240,64 +73,23 @@ fn line(random: &mut Random) -> String {
 
 /// What `trirrr check` promises for a hold in a job of these `lines` from `place` on; none of a job that it refuses.
 fn promise(place: [f64; 2], lines: &str) -> Option<LongestStop> {
-    let mut machine = scene();
-    machine.job.start.position = place.into();
     // A jog is a line at its feed.
-    let text = lines.replace("$J=", "G1 ");
-    let job = gcode_job(text.as_bytes(), &machine, &JobFileArgs::default().options());
-    let mut scene = job_scene("job.nc", &machine);
-    scene.take_path(&job.ok()?.path).ok()?;
-    scene.longest_stop()
+    planned(scene(), place, &lines.replace("$J=", "G1 "))?.longest_stop()
 }
 
 /// Plays jobs with so many holds.
 fn play(seed: u64, holds: u32) -> Figures {
-    let scene = scene();
-    let units = trirrr_scene::units::<N>(&scene).unwrap();
-    let reach = SceneReach::new(&scene).unwrap();
-    let facts = MachineFacts {
-        name: scene.name.clone(),
-        travel_m: [0.2, 0.2],
-        has_homing: false,
-        motions: MOTIONS,
-        ignore_z: false,
-        outputs: 1,
-        inputs: 1,
-    };
-    let hello = local::hello::<N>(&scene);
-    let driver = MachineDriver::new(&scene, units, hello, Patience::default(), 7, 1e-5);
-    let start = place_of(&scene.job.start);
-    local::with_machine_switched_on::<N, _>(&scene, |machine| {
-        let mut bench = Bench {
-            machine,
-            driver,
-            dialect: Dialect::new(facts, start),
-            reach: &reach,
-            random: Random(seed),
-            tick: 0,
-            requests: Line(VecDeque::new()),
-            messages: Line(VecDeque::new()),
-            door: false,
-            input: false,
-            said: String::new(),
-            place: [0.0; 2],
-            moved: 0,
-            slowed: None,
-        };
-        bench.dialect.connect();
-        bench.send(b"$X\n");
-        bench.until(2000, |bench| bench.answers() == 1);
+    with_bench(&scene(), seed, |bench| {
         let mut figures = Figures::default();
         while figures.holds < holds {
-            hold_in_a_job(&mut bench, &mut figures);
+            hold_in_a_job(bench, &mut figures);
         }
         figures
     })
-    .unwrap()
 }
 
 /// A part of a job, or a jog, with a hold somewhere in it; then all of it is played.
-fn hold_in_a_job(bench: &mut Bench, figures: &mut Figures) {
+fn hold_in_a_job(bench: &mut Bench<'_, N>, figures: &mut Figures) {
     bench.said.clear();
     let lines: Vec<String> = match bench.random.below(6) {
         0 => vec![format!("$J=G90 X{} F900", 235 + bench.random.below(30))],

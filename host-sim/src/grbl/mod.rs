@@ -4,12 +4,16 @@
 //! while later lines still come.
 
 mod args;
+#[cfg(test)]
+mod bench;
 mod driver;
 #[cfg(test)]
 mod holds;
 mod inputs;
 mod outputs;
 mod path;
+#[cfg(test)]
+mod programs;
 mod reach;
 mod sender;
 

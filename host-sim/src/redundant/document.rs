@@ -5,11 +5,11 @@ use super::plant::SimulatedMachine;
 use super::play::RedundantReport;
 use super::{kind_text, placement_text, slider_texts};
 use crate::run::JobEnd;
-use crate::run::document::{RunOutcome, add_lagrange, add_peaks, at, counted, signal};
+use crate::run::document::{RunOutcome, add_lagrange, add_peaks, at, signal};
 use std::path::Path;
 use trirrr_figures::document::{Document, Facts, digits, quantity};
 use trirrr_linkage::redundant::scene::RedundantScene;
-use trirrr_scene::words::tick_time;
+use trirrr_scene::words::{counted, tick_time};
 
 /// Kind of the machine, and its sliders at the start of the job.
 fn machine(scene: &RedundantScene) -> Facts {

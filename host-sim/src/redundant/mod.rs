@@ -47,7 +47,7 @@ fn read(file: &Path, args: &JobFileArgs) -> Result<RedundantScene, CliError> {
 
 /// Names a kind with its numbers: `prrr-2rrr, 3 legs, 1 slider`.
 fn kind_text(kind: MachineKind) -> String {
-    let sliders = crate::run::document::counted(kind.sliders(), "slider");
+    let sliders = trirrr_scene::words::counted(kind.sliders(), "slider");
     format!("{}, {} legs, {sliders}", kind.name(), kind.legs())
 }
 

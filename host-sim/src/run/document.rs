@@ -10,7 +10,7 @@ use std::time::Duration;
 use trirrr_figures::document::{Document, Facts, quantity};
 use trirrr_plant::statistics::Signal;
 use trirrr_scene::Scene;
-use trirrr_scene::words::{short, tick_time};
+use trirrr_scene::words::{counted, short, tick_time};
 
 /// Job that was played, and how.
 pub(crate) struct RunOutcome<'a> {
@@ -26,12 +26,6 @@ pub(crate) struct RunOutcome<'a> {
     pub(crate) computation: &'a Histogram,
     pub(crate) deadlines: Option<&'a Deadlines>,
     pub(crate) end: &'a JobEnd,
-}
-
-/// A number of things.
-pub(crate) fn counted(count: usize, thing: &str) -> String {
-    let plural = if count == 1 { "" } else { "s" };
-    format!("{count} {thing}{plural}")
 }
 
 impl RunOutcome<'_> {

@@ -8,6 +8,7 @@ use trirrr_line::RawMessage;
 use trirrr_protocol::message::{
     Acting, Event, Identity, InputStates, Message, Reply, State, Transmit,
 };
+use trirrr_scene::words::counted;
 use trirrr_scene::{NumberType, in_number_type};
 
 /// Knowledge of a watcher about a machine.
@@ -93,7 +94,7 @@ impl WatchView {
         let known = [
             pose.map(|[x, y, alpha]| format!("x {x:.4} m, y {y:.4} m, alpha {alpha:.4} rad")),
             state,
-            done.map(|done| format!("{done} moves done")),
+            done.map(|done| format!("{} done", counted(done as usize, "move"))),
             inputs,
             silent.map(|seconds| format!("nothing has come for {seconds} s")),
         ];

@@ -24,7 +24,7 @@ fn a_hold_delays_the_rest_of_the_job() {
     streaming.lines.wait_for("holding (hold)");
     say(&mut streaming, "resume");
     streaming.lines.wait_for("idle");
-    device.lines.wait_for("1 moves done");
+    device.lines.wait_for("1 move done");
     assert_eq!(streaming.process.code(), Some(0));
 
     let (streamed, whole) = (ticks(&streaming.out), run(&folder));

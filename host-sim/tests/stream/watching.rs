@@ -44,7 +44,7 @@ fn watchers_see_the_job_from_its_begin_and_from_its_middle() {
         pose.contains("x 0.2") && pose.contains(" m, y 0.2"),
         "{pose}"
     );
-    lines.wait_for("running, 1 moves done");
+    lines.wait_for("running, 1 move done");
     let state = json.wait_for("\"state\":\"running\"");
     assert!(
         state.contains("\"moves_done\":0") && state.contains("\"pose\":[0.2"),
@@ -52,7 +52,7 @@ fn watchers_see_the_job_from_its_begin_and_from_its_middle() {
     );
     let (third, mut lines) = watch(&port, &[]);
     lines.wait_for("a client said hello: scene thesis in fixed");
-    lines.wait_for("idle, 1 moves done");
+    lines.wait_for("idle, 1 move done");
     drop((first, second, third));
     device.lines.wait_for("watcher");
     device.lines.wait_for("is gone: closed by the far end");

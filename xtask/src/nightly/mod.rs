@@ -464,14 +464,14 @@ fn steps() -> Result<Vec<Step>> {
             ],
         ),
         Step::cargo(
-            "a thousand holds of a sender",
+            "a thousand holds and two thousand programs of a sender",
             &[
                 "test",
                 "--release",
                 "-p",
                 "trirrr-host-sim",
                 "--lib",
-                "holds",
+                "grbl",
                 "--",
                 "--ignored",
                 "--nocapture",

@@ -97,7 +97,11 @@ pub fn event<N: Transmit>(event: &Event<N>, ticks: u32, units: &Units) -> Option
             state: now,
             acting,
             done,
-        } => format!("{}, {done} moves done", state(*now, *acting)),
+        } => format!(
+            "{}, {} done",
+            state(*now, *acting),
+            words::counted(*done as usize, "move")
+        ),
         Event::Fault(latched) => format!("fault: {}", fault(latched, units)),
         Event::Inputs(states) => inputs(states)?,
         Event::Probe(run) => probe(run, units),
