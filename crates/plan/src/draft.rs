@@ -41,9 +41,10 @@ const LEAST_OF_LARGEST: f64 = 0.05;
 /// Part of the largest acceleration below which such a jump is none.
 const SMALLEST_JUMP: f64 = 0.005;
 
-/// Instants of a move at which the limits of the motors are looked at, and the part of them that it may use there.
-const LOOKED: u32 = 8;
-const OF_LIMITS: f64 = 0.9998;
+/// Instants of a move at which the limits of the motors are looked at, and the part of them that it may use there: what is left is for the
+/// motion between, and for the rounding of another number type in which the moves may be played.
+const LOOKED: u32 = 16;
+const OF_LIMITS: f64 = 0.9993;
 
 /// A place of a run near which moves are shorter.
 #[derive(Clone, Copy, Debug)]
