@@ -17,6 +17,9 @@ const SHORTER: f64 = 0.75;
 const INSTANTS: u32 = 16;
 /// Part of the largest acceleration, and of the feed, that the rounding of poses may make.
 const ROUNDING: f64 = 0.01;
+/// The same of the feed where the motion has it: this part of it or more.
+const ROUNDING_AT_FEED: f64 = 5e-4;
+const REACHED: f64 = 0.98;
 /// Part of the tolerances that moves may use at the instants that are looked at.
 const PART_OF_TOLERANCE: f64 = 0.95;
 /// Part of the feed by which a move may be faster than the law.
@@ -40,6 +43,10 @@ const SHORT_DIFFERENCE: f64 = 4.0;
 const LEAST_OF_LARGEST: f64 = 0.05;
 /// Part of the largest acceleration below which such a jump is none.
 const SMALLEST_JUMP: f64 = 0.005;
+
+/// Moves of the least length that the moves before a short one may be longer in sum, at most: after a long stretch without a short move,
+/// so many may follow each other.
+const SPARE: f64 = 32.0;
 
 /// Instants of a move at which the limits of the motors are looked at, and the part of them that it may use there: what is left is for the
 /// motion between, and for the rounding of another number type in which the moves may be played.
@@ -70,6 +77,10 @@ pub(crate) struct Draft<'a> {
     knots: Vec<f64>,
     /// Ticks of the shortest move.
     shortest: f64,
+    /// Ticks that the moves so far are longer in sum than the least length that most of them have to have.
+    spare: f64,
+    /// Ticks of the shortest move that could take the place of each move.
+    least: Vec<f64>,
     /// Ticks between changes of the tool's setting at least.
     least_change: f64,
     fit: Fit<f64>,
@@ -94,6 +105,8 @@ impl<'a> Draft<'a> {
             moves: Vec::new(),
             knots: vec![0.0],
             shortest,
+            spare: SPARE * f64::from(sampling.ticks_min),
+            least: Vec::new(),
             least_change: change_ticks(run, pieces, &sampling)
                 .max((least_s / sampling.period_s).ceil()),
             fit: Fit {
@@ -163,17 +176,37 @@ impl<'a> Draft<'a> {
 
     /// Ticks of the shortest move from `tick`: the rounding of its ends is little beside the feed.
     fn shortest_at(&self, tick: f64) -> f64 {
-        let least_s = |feed: f64| self.sampling.rounded_speed(1.0) / (ROUNDING * feed);
+        let rounded = self.sampling.rounded_speed(1.0);
+        let least_s = |feed: f64| {
+            let velocity = self.law.at(tick).velocity;
+            let is_reached = libm::hypot(velocity.x, velocity.y) > REACHED * feed;
+            // At the feed itself, no more of it is given up for short moves than long ones take.
+            let finest = rounded / (ROUNDING_AT_FEED * feed);
+            let at_feed = finest.min(f64::from(self.sampling.ticks_min) * self.sampling.period_s);
+            let least = rounded / (ROUNDING * feed);
+            if is_reached {
+                least.max(at_feed)
+            } else {
+                least
+            }
+        };
         let least_s = self.law.feed(tick + 1.0).map_or(0.0, least_s);
+        let ticks_min = f64::from(self.sampling.ticks_min);
+        let least = match self.spare > ticks_min {
+            true => self.shortest,
+            // A queue of moves has to last.
+            false => self.shortest.max(ticks_min),
+        };
         (least_s.min(LONGEST_S) / self.sampling.period_s)
             .ceil()
-            .max(self.shortest)
+            .max(least)
     }
 
     /// Moves across jumps of the acceleration where pieces meet, as near to their middles as whole ticks allow: a quintic goes evenly from
     /// the one to the other.
     fn blends(&self, fine: &[(f64, f64)], changes: &[f64], end: f64) -> Vec<[f64; 2]> {
         let mut blends: Vec<[f64; 2]> = Vec::new();
+        let longest = (BLEND_S / self.sampling.period_s).round();
         for jump in self
             .law
             .jumps(SMALLEST_JUMP * self.fit.largest, self.fit.lever)
@@ -185,25 +218,29 @@ impl<'a> Draft<'a> {
             // Of the nearest two lengths that one which has its middle nearer.
             let nearest = |ticks: f64| {
                 let off = |[from, to]: [f64; 2]| (0.5 * (from + to) - jump).abs();
-                let both = [at(ticks), at(ticks + 1.0)];
+                let longer = if ticks < longest { ticks } else { ticks + 1.0 };
+                let both = [at(ticks), at(longer)];
                 if off(both[1]) < off(both[0]) {
                     both[1]
                 } else {
                     both[0]
                 }
             };
-            let most = (BLEND_S / self.sampling.period_s).round();
-            let near = |&&(place, _): &&(f64, f64)| (place - jump).abs() <= most;
+            let near = |&&(place, _): &&(f64, f64)| (place - jump).abs() <= longest;
             let most = fine
                 .iter()
                 .filter(near)
                 .map(|fine| fine.1)
-                .fold(most, f64::min);
+                .fold(longest, f64::min);
             let [mut from, to] = nearest(most.max(self.shortest));
             let last = blends.last().map_or(0.0, |last| last[1]);
-            from = from.max(last);
+            let least = self.shortest.max(f64::from(self.sampling.ticks_min));
+            // No short move between two.
+            if from - last < least {
+                from = last;
+            }
             let is_cut = changes.iter().any(|change| from < *change && *change < to);
-            if to - from >= self.shortest && to < end && !is_cut {
+            if to - from >= least && to < end && !is_cut {
                 blends.push([from, to]);
             }
         }
@@ -281,17 +318,15 @@ impl<'a> Draft<'a> {
 
     fn push(&mut self, [from, to]: [f64; 2], states: [Setpoint<f64>; 2]) {
         self.knots.push(to);
+        self.least.push(self.shortest_at(from));
+        let ticks_min = f64::from(self.sampling.ticks_min);
+        self.spare = (self.spare + (to - from) - ticks_min).min(SPARE * ticks_min);
         self.moves.push(PlannedMove {
             ends: ends(&states),
             ticks: (to - from) as u32,
             place: self.law.place(from),
             piece: self.law.place(0.5 * (from + to)).piece,
         });
-    }
-
-    /// Returns true if move `index` can be cut.
-    pub(crate) fn splits(&self, index: usize) -> bool {
-        f64::from(self.moves[index].ticks) >= 2.0 * self.shortest
     }
 
     /// Returns the largest deviation of move `index` from the path, in parts of the tolerances.
@@ -353,16 +388,18 @@ impl<'a> Draft<'a> {
         [beyond(&speed, INSTANTS), beyond(&motors, LOOKED)]
     }
 
-    /// Moves half as long at move `index`.
-    pub(crate) fn closer(&self, index: usize) -> Fine {
-        Fine {
+    /// Moves half as long at move `index`; none if it cannot be cut, or was to be shorter before and is not.
+    pub(crate) fn closer(&self, index: usize, fine: &[Fine]) -> Option<Fine> {
+        let ticks = f64::from(self.moves[index].ticks);
+        let [from, to] = [self.knots[index], self.knots[index + 1]].map(|at| self.law.distance(at));
+        let is_here = |each: &&Fine| (from..=to).contains(&each.distance);
+        let is_in_vain = fine.iter().filter(is_here).any(|each| each.ticks < ticks);
+        (ticks >= 2.0 * self.least[index] && !is_in_vain).then(|| Fine {
             distance: self
                 .law
                 .distance(0.5 * (self.knots[index] + self.knots[index + 1])),
-            ticks: (0.5 * f64::from(self.moves[index].ticks))
-                .floor()
-                .max(self.shortest),
-        }
+            ticks: (0.5 * ticks).floor().max(self.shortest),
+        })
     }
 
     /// Places of the plan between which lies all that move `index` is made of.

@@ -112,11 +112,14 @@ fn moves_of<M: Model<N = f64>>(
         for index in 0..draft.moves.len() {
             let deviation = draft.deviation(index);
             // Where moves cannot be shorter, they leave the path by the square of the pace.
-            if deviation > 1.0 && draft.splits(index) {
-                fine.push(draft.closer(index));
-                mended = true;
-            } else if deviation > 1.0 {
-                slower.push((draft.span(index), deviation - 1.0));
+            if deviation > 1.0 {
+                match draft.closer(index, &fine) {
+                    Some(closer) => {
+                        fine.push(closer);
+                        mended = true;
+                    }
+                    None => slower.push((draft.span(index), deviation - 1.0)),
+                }
             }
             for beyond in draft.parts_of_limits(planner, index) {
                 if beyond.most > 1.0 {

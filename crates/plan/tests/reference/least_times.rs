@@ -235,6 +235,59 @@ fn a_corner_is_a_stop_unless_it_is_rounded() {
     assert!(flows.ticks() < stops.ticks());
 }
 
+/// Travels and strokes with rounded corners, of random turns and lengths: the tool's setting changes within the tolerance of its corner, along
+/// the path and across it, and nothing between is left out.
+#[test]
+fn the_tool_changes_at_its_corner() {
+    let mut draw = 0x7472_6972_7272_u64;
+    let mut random = move || {
+        draw ^= draw << 13;
+        draw ^= draw >> 7;
+        draw ^= draw << 17;
+        (draw >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let mut rounded_corners = 0;
+    for _ in 0..1000 {
+        let tolerance_m = 1e-6 * 1000.0_f64.powf(random());
+        let mut at = Vector2::new(0.25, 0.25);
+        let mut heading = 0.0_f64;
+        let mut lines = Vec::new();
+        for _ in 0..12 {
+            // From hardly a turn to one that nearly goes back.
+            heading += 3.0 * random().powi(4) * (random() - 0.5).signum();
+            let length = 1e-5 * 1000.0_f64.powf(random());
+            let to = at + length * Vector2::new(heading.cos(), heading.sin());
+            let pose = |at: Vector2<f64>| Pose::from_f64(at.x, at.y, 0.4);
+            lines.push(Piece::line(pose(at), pose(to)));
+            at = to;
+        }
+        let mut pieces = path_pieces(&lines, None);
+        for (index, piece) in pieces.iter_mut().enumerate() {
+            (piece.setting, piece.source) = (index, index);
+        }
+        let round = round_corners(&pieces, tolerance_m);
+        assert_eq!(round[0].setting, 0);
+        for pair in round.windows(2) {
+            let [before, here] = [&pair[0], &pair[1]];
+            let apart = before.piece.end().displacement(&here.piece.at(0.0).pose);
+            assert!(apart.norm() < 1e-12, "{apart}");
+            if before.setting == here.setting {
+                continue;
+            }
+            assert_eq!(here.setting, before.setting + 1);
+            let corner = lines[here.setting].at(0.0).pose;
+            let off = corner.displacement(&here.piece.at(0.0).pose);
+            rounded_corners += u32::from(off.norm() > 0.0);
+            assert!(
+                off.xy().norm() <= tolerance_m * (1.0 + 1e-9),
+                "{off} {tolerance_m}"
+            );
+        }
+        assert_eq!(round.last().expect("a piece").setting, lines.len() - 1);
+    }
+    assert!(rounded_corners > 5000, "{rounded_corners}");
+}
+
 /// A stroke at 50 mm/min between two travels, its corners rounded: it takes the time of its feed.
 #[test]
 fn a_slow_piece_beside_fast_ones_keeps_its_feed() {
