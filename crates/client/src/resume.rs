@@ -12,6 +12,10 @@ use trirrr_core::setpoint::{Ends, Quintics, Segment};
 use trirrr_protocol::message::{AnyMove, LEVEL_PARTS, LevelRange, Move, Transmit};
 use trirrr_scene::{JobLevels, JobOutputs};
 
+/// Shortest part of a move, s, in a number type whose roundings show in its acceleration, and the rounding below which they do not.
+const SHORTEST_PART_S: f64 = 0.005;
+const EXACT: f64 = 1e-12;
+
 /// Moves that play a job from a place on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JobRest<N: Number> {
@@ -52,6 +56,9 @@ impl<N: Number> JobRest<N> {
     ) -> Result<Self, E> {
         let mut from = from;
         let mut found = get(from.index)?;
+        if let Some(cut) = &found {
+            from.at = parting(cut, from.at, period);
+        }
         if found.is_some_and(|each| from.at >= each.common().ticks) {
             from = JobPlace {
                 index: from.index + 1,
@@ -195,6 +202,23 @@ fn segment<N: Number>(each: &AnyMove<N>, period: N::Factor) -> Segment<N, Quinti
         accelerations: each.accelerations(),
     };
     Segment::new(&ends, common.ticks, period)
+}
+
+/// Tick at which the rest of a job parts a move, about `at`. With the tool off it begins with the move. Poses are rounded: the acceleration in
+/// a part of few ticks would be off by more than the job leaves of its limits, so that no part is shorter than that.
+fn parting<N: Number>(cut: &AnyMove<N>, at: u32, period: N::Factor) -> u32 {
+    let common = cut.common();
+    let ticks = common.ticks;
+    if common.tool_power == N::ZERO && at < ticks {
+        return 0;
+    }
+    if N::UNIT_ROUNDOFF.to_f64() < EXACT {
+        return at;
+    }
+    let least = (SHORTEST_PART_S / N::factor_to_f64(period)).ceil() as u32;
+    let inner = (2 * least <= ticks).then(|| at.clamp(least, ticks - least));
+    let places = [Some(0), inner, Some(ticks)].into_iter().flatten();
+    places.min_by_key(|place| place.abs_diff(at)).unwrap_or(at)
 }
 
 /// The two parts of a move, before and behind its tick `at`: a part of a polynomial is one of the same degree.

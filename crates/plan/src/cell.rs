@@ -29,11 +29,15 @@ use trirrr_core::model::Model;
 #[cfg(feature = "std")]
 use trirrr_core::model::OfKind;
 use trirrr_core::number::Arithmetic;
+#[cfg(feature = "std")]
+use trirrr_core::setpoint::Pose;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_core::status::Status;
 use trirrr_core::torque::lines::DistalLines;
 #[cfg(feature = "std")]
 use trirrr_service::Ramp;
+#[cfg(feature = "std")]
+use trirrr_service::admission::AngleModel;
 use trirrr_service::admission::{Enclose, Path, TaylorModel};
 
 /// Part of a limit that the value at rest may take.
@@ -112,6 +116,45 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
     }
 }
 
+#[cfg(feature = "std")]
+impl<M: Model<N = f64>> Planner<M> {
+    /// Largest part of a limit of the motors that `setpoint` takes; none where there is no motion.
+    pub(crate) fn part_of_limits(&self, setpoint: &Setpoint<f64>) -> Option<f64> {
+        let model = |value: f64| TaylorModel::<f64>::point(value);
+        let setpoint = Setpoint {
+            pose: Pose {
+                position: setpoint.pose.position.map(model),
+                angle: AngleModel::of(setpoint.pose.angle),
+            },
+            velocity: setpoint.velocity.map(model),
+            acceleration: setpoint.acceleration.map(model),
+        };
+        let rotation = Rotation::new(setpoint.pose.angle);
+        let legs = self.solve(&setpoint, &rotation, LegNeeds::Links).ok()?;
+        let mut most = 0.0_f64;
+        let mut take = |values: Model3<f64>, limits: Option<[f64; 3]>| {
+            for (value, limit) in values.into_iter().zip(limits.into_iter().flatten()) {
+                most = most.max(value.magnitude() / limit);
+            }
+        };
+        let limits = self.limits();
+        let rates = legs.map(|leg| leg.rates.proximal);
+        take(rates, limits.rate);
+        take(
+            legs.map(|leg| leg.accelerations.proximal),
+            limits.acceleration,
+        );
+        if self.needs_torques() {
+            let lines = DistalLines::of(legs.each_ref().map(|leg| &leg.position));
+            let torques = self.torques_of(&lines, &legs, &setpoint, &rotation).ok()?;
+            take(torques, limits.torque);
+            let powers = [0, 1, 2].map(|motor| torques[motor] * rates[motor]);
+            take(powers, limits.power);
+        }
+        Some(most)
+    }
+}
+
 impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
     /// With the coefficients of an admission. `ramp` as in [`build`](Planner::build).
     pub fn over(coefficients: C, ramp: N::Bound) -> Self {
@@ -187,6 +230,21 @@ impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
             } = leg;
             [middle(rates.proximal), middle(accelerations.proximal)]
         }))
+    }
+
+    /// Torques of a motion.
+    fn torques_of(
+        &self,
+        lines: &DistalLines<TaylorModel<N>>,
+        legs: &[LegMotion<TaylorModel<N>>; 3],
+        setpoint: &Setpoint<TaylorModel<N>>,
+        rotation: &Rotation<TaylorModel<N>>,
+    ) -> Result<Model3<N>, Status> {
+        let model = self.path().tick().model();
+        let load = |leg: usize| model.load(leg, &legs[leg]);
+        let loads = [load(0), load(1), load(2)];
+        let forces = model.forces(Some(lines), legs, &loads, setpoint, rotation)?;
+        Ok(forces.torques(legs, &loads))
     }
 
     /// Rate at which a hold may change the pace.
@@ -405,10 +463,7 @@ impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
             return Err(Status::ParallelSingular);
         }
         let torques = |legs: &[LegMotion<_>; 3], setpoint: &Setpoint<_>| {
-            let load = |leg: usize| model.load(leg, &legs[leg]);
-            let loads = [load(0), load(1), load(2)];
-            let forces = model.forces(Some(lines), legs, &loads, setpoint, rotation)?;
-            Ok(forces.torques(legs, &loads))
+            self.torques_of(lines, legs, setpoint, rotation)
         };
         let moving = torques(legs, setpoint)?;
         let zero = TaylorModel::ZERO;

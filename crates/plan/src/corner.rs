@@ -24,8 +24,9 @@ const FINEST: f64 = 0.01;
 /// Steps towards the nearest place.
 const STEPS: u32 = 4;
 
-/// Returns `pieces` with each corner rounded that can be: D stays within `tolerance_m` of the path. The new pieces
-/// take the feed and the number of the piece before.
+/// Returns `pieces` with each corner rounded that can be: D stays within `tolerance_m` of the path, and so does the place where the tool's
+/// setting changes along the path. A new piece takes feed, number and setting of the piece before; where the setting changes, there is one for
+/// each half of the curve, and the second takes those of the piece behind.
 pub fn round_corners(pieces: &[PathPiece], tolerance_m: f64) -> Vec<PathPiece> {
     let mut rounded = Vec::with_capacity(2 * pieces.len());
     let mut corners = CornerRounding::new(tolerance_m);
@@ -61,11 +62,20 @@ impl CornerRounding {
         if let Some(each) = self.held.replace(next) {
             // Where the motion stops anyway, the path is left as it is.
             let is_corner = self.tolerance_m > 0.0 && !next.stops && next.joint(&each).is_none();
+            let changes = next.setting != each.setting;
+            let longest_m = match changes {
+                true => self.tolerance_m,
+                false => f64::INFINITY,
+            };
             let curve = match is_corner {
-                true => curve(&each.piece, &next.piece, self.tolerance_m),
+                true => curve(&each.piece, &next.piece, self.tolerance_m, longest_m),
                 false => None,
             };
-            self.release(&each, curve, take);
+            self.release(
+                &each,
+                curve.map(|curve| (curve, changes.then_some(next))),
+                take,
+            );
         }
     }
 
@@ -76,10 +86,15 @@ impl CornerRounding {
         }
     }
 
-    /// Hands out `each`, and the curve behind it.
-    fn release(&mut self, each: &PathPiece, curve: Option<Curve>, mut take: impl FnMut(PathPiece)) {
+    /// Hands out `each`, and the curve behind it, whose second half is as the other piece, if there is one.
+    fn release(
+        &mut self,
+        each: &PathPiece,
+        curve: Option<(Curve, Option<PathPiece>)>,
+        mut take: impl FnMut(PathPiece),
+    ) {
         let (end, next_begun) =
-            curve.map_or((1.0, 0.0), |curve| (1.0 - curve.cut[0], curve.cut[1]));
+            curve.map_or((1.0, 0.0), |(curve, _)| (1.0 - curve.cut[0], curve.cut[1]));
         let begun = std::mem::replace(&mut self.begun, next_begun);
         // Two curves may leave nothing between them.
         if end - begun > LEFT_MIN {
@@ -92,12 +107,20 @@ impl CornerRounding {
                 ..*each
             });
         }
-        if let Some(curve) = curve {
+        let mut on_curve = |piece: Piece<f64>, like: &PathPiece| {
             take(PathPiece {
-                piece: curve.piece,
+                piece,
                 stops: false,
-                ..*each
+                ..*like
             });
+        };
+        match curve {
+            Some((Curve { piece, .. }, None)) => on_curve(piece, each),
+            Some((Curve { piece, .. }, Some(next))) => {
+                on_curve(piece.part(0.0, 0.5), each);
+                on_curve(piece.part(0.5, 1.0), &next);
+            }
+            None => {}
         }
     }
 }
@@ -114,11 +137,16 @@ fn speed(v: Vector3<f64>) -> f64 {
     libm::hypot(v.x, v.y)
 }
 
-/// The longest curve within the tolerance. At a sharp turn it is a cubic whose inner control poses lie on the two
+/// The longest curve within the tolerance that replaces no more than `longest_m` of each piece. At a sharp turn it is a cubic whose inner control poses lie on the two
 /// tangents, at the corner where both pieces are straight: its curvature is then zero at both ends. It deviates by a
 /// quarter of the length cut off times the sine of half the turn. At a slight turn they lie at two thirds of the way: a
 /// parabola, whose parameter is nearly the length, so that few cells plan it well. It deviates by half of that length.
-fn curve(before: &Piece<f64>, after: &Piece<f64>, tolerance_m: f64) -> Option<Curve> {
+fn curve(
+    before: &Piece<f64>,
+    after: &Piece<f64>,
+    tolerance_m: f64,
+    longest_m: f64,
+) -> Option<Curve> {
     let (a, b) = (before.at(1.0).first, after.at(0.0).first);
     let (speed_a, speed_b) = (speed(a), speed(b));
     let (along, across) = (a.xy().dot(&b.xy()), a.xy().perp(&b.xy()));
@@ -137,6 +165,7 @@ fn curve(before: &Piece<f64>, after: &Piece<f64>, tolerance_m: f64) -> Option<Cu
         true => (2.0 / 3.0, 0.5 * half_sine),
     };
     let mut length = (tolerance_m / deviating)
+        .min(longest_m)
         .min(CUT_MAX * speed_a)
         .min(CUT_MAX * speed_b);
     if !(length > CUT_MIN_M) {

@@ -20,7 +20,7 @@ pub struct Effort {
 impl Default for Effort {
     fn default() -> Self {
         Self {
-            gap: 0.005,
+            gap: 0.002,
             cells_max: 1 << 14,
         }
     }
@@ -143,6 +143,12 @@ fn plan_run<M: Model<N = f64>>(
             .zip(0..count)
             .map(|(least, index)| run.cell_duration_s(index) - least);
         let parts = parts(gaps.collect(), SAFETY * allowed);
-        grid = Grid::split(planner, pieces, run, &parts)?;
+        let cuts = |(index, parts): (usize, usize)| {
+            let (from, length) = (run.places[index].p, run.cells[index].length());
+            let cut = |part: usize| from + length * (part as f64 / parts as f64);
+            (1..parts).map(cut).collect()
+        };
+        let cuts: Vec<Vec<f64>> = parts.into_iter().enumerate().map(cuts).collect();
+        grid = Grid::split(planner, pieces, run, &cuts, &[])?;
     }
 }

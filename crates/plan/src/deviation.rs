@@ -1,9 +1,9 @@
 //! Distance of moves from the path, everywhere between two instants.
 
+use crate::law::Law;
 use crate::path::PathPlace;
 use crate::piece::joint;
 use crate::run::Run;
-use crate::spline::Spline;
 use nalgebra::Vector3;
 use trirrr_core::setpoint::{Pose, Quintics, Segment};
 
@@ -24,7 +24,7 @@ const CUBIC: f64 = 1.64;
 
 /// A measure of the distance from the path of a run.
 pub(crate) struct Deviation<'a> {
-    pub(crate) spline: &'a Spline<'a>,
+    pub(crate) law: &'a Law<'a>,
     /// Allowed differences of x, y and alpha.
     pub(crate) tolerances: Vector3<f64>,
     pub(crate) period_s: f64,
@@ -105,10 +105,7 @@ impl Deviation<'_> {
             false => (b, a),
         };
         let part = |piece: usize, from: f64, to: f64| {
-            let first = self.spline.pieces()[piece]
-                .piece
-                .at(0.5 * (from + to))
-                .first;
+            let first = self.law.pieces()[piece].piece.at(0.5 * (from + to)).first;
             size(&first.component_div(&self.tolerances)) * (to - from)
         };
         match b.piece - a.piece {
@@ -126,7 +123,7 @@ impl Deviation<'_> {
     /// Looks for the nearest place of the path at a fraction of a move, from that of the plan on. The path ends where the run does.
     fn look(&self, compared: &Compared, part: f64) -> Looked {
         let [start, end] = compared.knots;
-        let mut place = self.spline.place(start + part * (end - start));
+        let mut place = self.law.place(start + part * (end - start));
         let played = compared.segment.at_fraction(part).pose;
         let mut looked = Looked {
             part,
@@ -135,7 +132,7 @@ impl Deviation<'_> {
             distance: f64::INFINITY,
         };
         for _ in 0..STEPS {
-            let point = self.spline.pieces()[place.piece].piece.at(place.p);
+            let point = self.law.pieces()[place.piece].piece.at(place.p);
             let off = self.way(&point.pose, &played);
             if size(&off) < looked.distance {
                 (looked.nearest, looked.distance) = (place, size(&off));
@@ -155,8 +152,8 @@ impl Deviation<'_> {
 
     /// The place that lies `step` of the parameter on, or back, from `place`.
     fn moved(&self, place: PathPlace, step: f64) -> PathPlace {
-        let pieces = self.spline.pieces();
-        let run = &self.spline.run().pieces;
+        let pieces = self.law.pieces();
+        let run = &self.law.run().pieces;
         let PathPlace { mut piece, mut p } = place;
         p += step;
         let scale = |before: usize| {
@@ -178,13 +175,13 @@ impl Deviation<'_> {
 
     /// Largest acceleration of the plan between two ticks, in tolerances.
     fn bend(&self, knots: [f64; 2]) -> f64 {
-        let run: &Run = self.spline.run();
+        let run: &Run = self.law.run();
         let mut most: f64 = 0.0;
-        for index in self.spline.cells(knots) {
+        for index in self.law.cells(knots) {
             let place = run.places[index];
             let [start, end] = run.ends_of(index);
             let acceleration = run.acceleration(index);
-            let piece = &self.spline.pieces()[place.piece].piece;
+            let piece = &self.law.pieces()[place.piece].piece;
             for (p, square) in [(place.p, start), (place.p + run.cells[index].length(), end)] {
                 let point = piece.at(p);
                 let bent = point.first * acceleration + point.second * square;

@@ -25,12 +25,58 @@ pub(crate) struct Grid<'a> {
 struct Measuring<'a, M: Model<N = f64>> {
     planner: &'a Planner<M>,
     pieces: &'a [PathPiece],
+    easings: &'a [Easing],
     /// Sign of det A.
     side: Option<bool>,
     /// Bounds of any motion are asked for, too.
     bounded: bool,
     /// The piece that was measured last, in models.
     piece: Option<(usize, Piece<TaylorModel<f64>>)>,
+}
+
+/// A stretch of a piece beside another with a lower feed, which goes for it, too: the motion is a mean over both.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Easing {
+    pub(crate) piece: usize,
+    /// p at its start and its end.
+    pub(crate) ends: [f64; 2],
+    feed_m_s: f64,
+}
+
+impl Easing {
+    fn holds(&self, [from, to]: [f64; 2]) -> bool {
+        self.ends[0] <= from && to <= self.ends[1]
+    }
+}
+
+/// The easings of `run`, of which the motion is a mean over `window_s` at most.
+pub(crate) fn easings(run: &Run, pieces: &[PathPiece], window_s: f64) -> Vec<Easing> {
+    let feed = |piece: usize| pieces[piece].feed_m_s.unwrap_or(f64::INFINITY);
+    let mut easings = Vec::new();
+    for piece in run.pieces.clone() {
+        let before = piece
+            .checked_sub(1)
+            .filter(|before| run.pieces.contains(before));
+        let after = Some(piece + 1).filter(|after| run.pieces.contains(after));
+        for (other, p) in [(before, 0.0), (after, 1.0)] {
+            let slow = other.map_or(f64::INFINITY, feed);
+            let way = pieces[piece].piece.at(p).first;
+            let part = slow * window_s / libm::hypot(way.x, way.y);
+            if slow < feed(piece) && part > 0.0 {
+                let part = part.min(1.0);
+                easings.push(Easing {
+                    piece,
+                    ends: if p == 0.0 {
+                        [0.0, part]
+                    } else {
+                        [1.0 - part, 1.0]
+                    },
+                    feed_m_s: slow,
+                });
+            }
+        }
+    }
+    easings
 }
 
 impl<M: Model<N = f64>> Measuring<'_, M> {
@@ -41,7 +87,13 @@ impl<M: Model<N = f64>> Measuring<'_, M> {
             _ => self.pieces[index].piece.models(),
         };
         self.piece = Some((index, piece));
-        let feed = self.pieces[index].feed_m_s;
+        let first = self.easings.partition_point(|easing| easing.piece < index);
+        let of_piece = self.easings[first..]
+            .iter()
+            .take_while(|easing| easing.piece == index);
+        let eased = of_piece.filter(|easing| easing.holds(ends));
+        let feeds = eased.map(|easing| easing.feed_m_s);
+        let feed = feeds.chain(self.pieces[index].feed_m_s).reduce(f64::min);
         self.planner.measure(&piece, ends, feed, &mut self.side)
     }
 }
@@ -70,6 +122,7 @@ impl<'a> Grid<'a> {
         let mut measuring = Measuring {
             planner,
             pieces,
+            easings: &[],
             side: None,
             bounded,
             piece: None,
@@ -102,34 +155,40 @@ impl<'a> Grid<'a> {
         self.places.push(PathPlace { piece, p: 1.0 });
     }
 
-    /// The grid of `run` with each cell divided into so many of `parts`. Cells of one part are not measured again.
+    /// The grid of `run` with each cell cut at its `cuts`, values of p in order. Cells without one are not measured again.
     pub(crate) fn split<M: Model<N = f64>>(
         planner: &Planner<M>,
         pieces: &'a [PathPiece],
         run: Run,
-        parts: &[usize],
+        cuts: &[Vec<f64>],
+        easings: &[Easing],
     ) -> Result<Self, PathRefusal> {
-        let mut grid = Self::empty(pieces, parts.iter().sum());
+        let count = cuts.iter().map(|cuts| cuts.len() + 1).sum();
+        let mut grid = Self::empty(pieces, count);
         let mut measuring = Measuring {
             planner,
             pieces,
+            easings,
             side: None,
             bounded: true,
             piece: None,
         };
         let cells = run.cells.into_iter().zip(run.possible);
-        for (((cell, possible), place), &parts) in cells.zip(&run.places).zip(parts) {
-            if parts == 1 {
+        for (((cell, possible), place), cuts) in cells.zip(&run.places).zip(cuts) {
+            if cuts.is_empty() {
                 grid.places.push(*place);
                 grid.cells.push(cell);
                 grid.possible.push(possible);
                 continue;
             }
             let first = grid.cells.len();
-            let mark = |part: usize| place.p + cell.length() * (part as f64 / parts as f64);
-            for part in 0..parts {
-                let ends = [mark(part), mark(part + 1)];
-                grid.divide(&mut measuring, place.piece, ends, HALVINGS)?;
+            let mut from = place.p;
+            for &to in cuts.iter().chain(&[place.p + cell.length()]) {
+                grid.divide(&mut measuring, place.piece, [from, to], HALVINGS)?;
+                from = to;
+            }
+            for part in &mut grid.cells[first..] {
+                part.limit_as(&cell);
             }
             grid.cells[first].join(cell.joint);
         }

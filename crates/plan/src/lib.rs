@@ -33,6 +33,8 @@ mod grid;
 #[cfg(feature = "std")]
 mod jerk;
 #[cfg(feature = "std")]
+mod law;
+#[cfg(feature = "std")]
 pub mod moves;
 #[cfg(feature = "std")]
 pub mod natural;
@@ -46,8 +48,6 @@ mod program;
 mod rows;
 #[cfg(feature = "std")]
 mod run;
-#[cfg(feature = "std")]
-mod spline;
 #[cfg(feature = "std")]
 mod timeline;
 pub mod window;

@@ -1,8 +1,8 @@
 //! A plan as moves: quintics in time, a whole number of ticks long each, that a service admits.
 //!
-//! What is played is the plan smoothed over two steps of time, a few ticks. Each move has pose, velocity and acceleration
-//! of the smoothed motion at its ends, so the chain has no jump in the acceleration, and is as long as it stays near
-//! that motion. What the judge refuses is cut, or the limits are lowered there.
+//! The distance along the path is a smooth function of time, the law. Each move has pose, velocity and acceleration of the path under
+//! the law at its ends, so the chain has no jump in the acceleration, and is as long as it stays near that motion. Where a move is
+//! beyond a limit, or is refused, cells are cut and their limits lowered.
 
 pub use crate::planned::{PlannedMove, Sampling};
 
@@ -10,8 +10,8 @@ use crate::cell::{Obstacle, Planner};
 use crate::course::{Effort, Plan, plan};
 use crate::draft::{Draft, Fine, leave_room, shortest_s};
 use crate::even;
-use crate::fit::MARGIN;
-use crate::path::{PathPiece, PathRefusal};
+use crate::grid::{Easing, Grid, easings};
+use crate::path::{PathPiece, PathPlace, PathRefusal};
 use crate::run::Run;
 use trirrr_core::model::Model;
 
@@ -42,8 +42,13 @@ impl PlannedMoves {
     }
 }
 
-/// Excess of a limit above which moves are cut before the pace is lowered.
-const EXCESS_OF_FIT: f64 = 0.003;
+/// Duration of a cell that is not cut any more, s.
+const SHORT_S: f64 = 0.002;
+/// Margin beyond an excess, at first.
+const LEAST: f64 = 1e-4;
+/// Rounds without a lower pace of the whole run, and the part by which each further one lowers its limits.
+const PATIENCE: u32 = 8;
+const IMPATIENCE: f64 = 5e-4;
 /// Rounds of planning, judging and mending.
 const ROUNDS: u32 = 60;
 
@@ -85,32 +90,44 @@ fn moves_of<M: Model<N = f64>>(
     let mut fine: Vec<Fine> = Vec::new();
     // The excess of the first instant that is not proven may be less than the largest one: what is refused again is
     // lowered by twice as much.
-    let mut strikes = vec![MARGIN; run.cells.len()];
+    let mut strikes = vec![LEAST; run.cells.len()];
     let refusal = |place| PathRefusal::at(place, pieces, Obstacle::Refused);
-    leave_room(run, pieces, &sampling);
-    run.replan();
     let lever_m = planner.lever_m();
     let least_s = shortest_s(run, pieces, lever_m, &sampling);
-    for _ in 0..ROUNDS {
+    let easings = easings(
+        run,
+        pieces,
+        (sampling.shortest(least_s) + 1.0) * sampling.period_s,
+    );
+    if !easings.is_empty() {
+        let cuts = cuts_of(&easings, run);
+        split(planner, pieces, run, &mut strikes, &easings, cuts)?;
+    }
+    leave_room(run, pieces, &sampling);
+    run.replan();
+    for round in 0..ROUNDS {
         let draft = Draft::new(run, pieces, [lever_m, least_s], sampling, &fine);
         let mut mended = false;
-        let mut slower = Vec::new();
+        let mut slower: Vec<([PathPlace; 2], f64)> = Vec::new();
         for index in 0..draft.moves.len() {
-            let (deviation, speed) = (draft.deviation(index), draft.speed(index));
-            // Where moves cannot be shorter, the smoothing itself leaves the path, by the square of the pace.
-            let excess = match deviation > 1.0 && draft.splits(index) {
-                true => {
-                    fine.push(draft.closer(index));
-                    mended = true;
-                    speed * speed
+            let deviation = draft.deviation(index);
+            // Where moves cannot be shorter, they leave the path by the square of the pace.
+            if deviation > 1.0 {
+                match draft.closer(index, &fine) {
+                    Some(closer) => {
+                        fine.push(closer);
+                        mended = true;
+                    }
+                    None => slower.push((draft.span(index), deviation - 1.0)),
                 }
-                false => deviation.max(speed * speed),
-            };
-            if excess > 1.0 {
-                slower.push((draft.cells(index), excess - 1.0));
-                mended = true;
+            }
+            for beyond in draft.parts_of_limits(planner, index) {
+                if beyond.most > 1.0 {
+                    slower.push((draft.span_between(beyond.knots), beyond.most - 1.0));
+                }
             }
         }
+        mended |= !slower.is_empty();
         let verdicts = match mended {
             true => Vec::new(),
             false => judge(&draft.moves),
@@ -119,12 +136,8 @@ fn moves_of<M: Model<N = f64>>(
             match judged {
                 Judged::Kept => {}
                 Judged::Refused => return Err(refusal(draft.moves[index].place)),
-                Judged::Exceeded(by) if by > EXCESS_OF_FIT && draft.splits(index) => {
-                    fine.push(draft.closer(index));
-                    mended = true;
-                }
                 Judged::Exceeded(by) => {
-                    slower.push((draft.cells(index), by.max(0.0)));
+                    slower.push((draft.span(index), by.max(0.0)));
                     mended = true;
                 }
             }
@@ -132,15 +145,92 @@ fn moves_of<M: Model<N = f64>>(
         if !mended {
             return Ok(draft.moves);
         }
+        drop(draft);
+        if run.jerk.is_none() {
+            let cuts = cuts(run, &slower);
+            split(planner, pieces, run, &mut strikes, &easings, cuts)?;
+        }
+        if round >= PATIENCE {
+            run.tighten(0..run.cells.len(), 1.0 - IMPATIENCE);
+        }
         // Moves overlap in their cells: each cell takes one step a round.
         let before = strikes.clone();
-        for (cells, by) in slower {
+        for (span, by) in slower {
+            let cells = run.cells_between(span);
             let margins = before[cells.clone()].iter().copied();
-            let margin = margins.fold(MARGIN, f64::max);
+            let margin = margins.fold(LEAST, f64::max);
             strikes[cells.clone()].fill(2.0 * margin);
             run.tighten(cells, 1.0 / (1.0 + by + margin));
         }
         run.replan();
     }
     Err(refusal(run.places[0]))
+}
+
+/// Places at which the cells of `run` are cut, so that no more of it becomes slower than has to.
+fn cuts(run: &Run, slower: &[([PathPlace; 2], f64)]) -> Vec<Vec<f64>> {
+    // Part of a cell below which no other is cut off.
+    let sliver = |cell: usize| 0.25 * (SHORT_S / run.cell_duration_s(cell)).min(1.0);
+    let mut cuts: Vec<Vec<f64>> = vec![Vec::new(); run.cells.len()];
+    for place in slower.iter().flat_map(|(span, _)| span) {
+        let cell = run.cells_between([*place; 2]).start;
+        let part = (place.p - run.places[cell].p) / run.cells[cell].length();
+        let is_within = (sliver(cell)..1.0 - sliver(cell)).contains(&part);
+        let is_of_cell = run.places[cell].piece == place.piece;
+        if is_of_cell && is_within && run.cell_duration_s(cell) > SHORT_S {
+            cuts[cell].push(place.p);
+        }
+    }
+    for (cell, cuts) in cuts.iter_mut().enumerate() {
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup_by(|b, a| *b - *a < sliver(cell) * run.cells[cell].length());
+    }
+    cuts
+}
+
+/// Places at which the cells of `run` are cut so that each lies in an easing or outside: one that lies in it is measured again.
+fn cuts_of(easings: &[Easing], run: &Run) -> Vec<Vec<f64>> {
+    let mut cuts: Vec<Vec<f64>> = vec![Vec::new(); run.cells.len()];
+    for Easing { piece, ends, .. } in easings {
+        let places = ends.map(|p| PathPlace { piece: *piece, p });
+        for cell in run.cells_between(places) {
+            let (from, to) = (
+                run.places[cell].p,
+                run.places[cell].p + run.cells[cell].length(),
+            );
+            let is_within = |p: &&f64| from < **p && **p < to;
+            let inner = ends.iter().filter(is_within).copied();
+            match run.places[cell].piece == *piece {
+                true if inner.clone().count() == 0 => cuts[cell].push(0.5 * (from + to)),
+                true => cuts[cell].extend(inner),
+                false => {}
+            }
+        }
+    }
+    for cuts in &mut cuts {
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup();
+    }
+    cuts
+}
+
+/// Cuts the cells of `run`. Each part takes over what the passes use of the limits, and the strikes.
+fn split<M: Model<N = f64>>(
+    planner: &Planner<M>,
+    pieces: &[PathPiece],
+    run: &mut Run,
+    strikes: &mut Vec<f64>,
+    easings: &[Easing],
+    cuts: Vec<Vec<f64>>,
+) -> Result<(), PathRefusal> {
+    if cuts.iter().all(Vec::is_empty) {
+        return Ok(());
+    }
+    let whole = run.clone();
+    let grid = Grid::split(planner, pieces, whole.clone(), &cuts, easings)?;
+    *run = grid.plan(whole.pieces.clone()).0;
+    run.least_s = run.least_s.max(whole.least_s);
+    let of_whole = |place: &PathPlace| strikes[whole.cells_between([*place; 2]).start];
+    *strikes = run.places[..run.cells.len()].iter().map(of_whole).collect();
+    Ok(())
 }

@@ -18,9 +18,17 @@ pub struct Sampling {
     pub resolution_rad: f64,
     /// Ticks that every move takes at least, 1 or more: a queue of so many moves has to last for a hold.
     pub ticks_min: u32,
+    /// Ticks of the shortest move, where the acceleration changes: at a start, a stop, a change of the feed. 1 or more.
+    pub ticks_shortest: u32,
 }
 
 impl Sampling {
+    /// Ticks of the shortest move of a run whose accelerations ask for `least_s` at least.
+    pub(crate) fn shortest(&self, least_s: f64) -> f64 {
+        let least = (least_s / self.period_s).round();
+        least.max(f64::from(self.ticks_shortest))
+    }
+
     /// Speed that the rounding of both ends of a move of `duration_s` adds at most, m/s.
     pub(crate) fn rounded_speed(&self, duration_s: f64) -> f64 {
         3.0 * self.resolution_m / duration_s

@@ -161,6 +161,12 @@ impl<B: Arithmetic> Cell<B> {
         });
     }
 
+    /// Uses the limits as `whole` does, of which this cell is a part.
+    #[cfg(feature = "std")]
+    pub(crate) fn limit_as(&mut self, whole: &Self) {
+        (self.share, self.tightened, self.ramp) = (whole.share, whole.tightened, whole.ramp);
+    }
+
     /// Leaves room for a hold at the rate `ramp` in the passes from now on; a cell is measured without.
     pub fn reserve(&mut self, ramp: B) {
         self.ramp = ramp;

@@ -43,6 +43,15 @@ impl Run {
         }
     }
 
+    /// Cells of which a part lies between two places.
+    pub(crate) fn cells_between(&self, [from, to]: [PathPlace; 2]) -> Range<usize> {
+        let key = |place: &PathPlace| (place.piece, place.p);
+        let count = self.cells.len();
+        let first = self.places[..count].partition_point(|place| key(place) <= key(&from));
+        let last = self.places[..count].partition_point(|place| key(place) < key(&to));
+        first.saturating_sub(1)..last.max(first)
+    }
+
     /// Plans again with the limits as they are in the cells.
     pub fn replan(&mut self) {
         for cell in &mut self.cells {

@@ -1,7 +1,7 @@
 //! The planned motion as a function of time.
 //!
-//! The plan of a run has an acceleration that is constant in each cell and jumps between them. With a limit of jerk the
-//! distance is its mean over a short time, and that once more, so that the acceleration goes evenly from one to the next.
+//! The plan of a run has an acceleration that is constant in each cell and jumps between them. The distance that is played is its mean
+//! over a short time, and that once more where jerk is limited, so that the acceleration goes evenly from one to the next.
 
 use crate::path::PathPlace;
 use crate::run::Run;
@@ -20,7 +20,8 @@ struct Mark {
 }
 
 impl Mark {
-    fn sums_after(&self, t: f64) -> [f64; 2] {
+    /// Second and first integral of the distance, distance and pace, `t` after the mark.
+    fn after(&self, t: f64) -> [f64; 4] {
         let [sum, twice] = self.sums;
         let Self {
             distance,
@@ -29,8 +30,10 @@ impl Mark {
             ..
         } = *self;
         [
-            sum + (distance + (pace / 2.0 + acceleration * t / 6.0) * t) * t,
             twice + (sum + (distance / 2.0 + (pace / 6.0 + acceleration * t / 24.0) * t) * t) * t,
+            sum + (distance + (pace / 2.0 + acceleration * t / 6.0) * t) * t,
+            distance + (pace + 0.5 * acceleration * t) * t,
+            pace + acceleration * t,
         ]
     }
 }
@@ -38,14 +41,16 @@ impl Mark {
 /// A run in time.
 #[derive(Clone, Debug)]
 pub(crate) struct Timeline {
-    /// Time over which the distance is a mean.
+    /// Time over which the distance is a mean, and how often it is one.
     mean_s: f64,
+    means: u32,
     /// Starts of the cells, and the end.
     marks: Vec<Mark>,
 }
 
 impl Timeline {
-    pub(crate) fn of(run: &Run) -> Self {
+    /// `run`, as means over `window_s` or a little more, and its duration in ticks.
+    pub(crate) fn of(run: &Run, window_s: f64, period_s: f64) -> (Self, u32) {
         let mut marks = Vec::with_capacity(run.places.len());
         let (mut time, mut distance, mut sums, mut scale) = (0.0, 0.0, [0.0; 2], 1.0);
         for (index, cell) in run.cells.iter().enumerate() {
@@ -63,7 +68,8 @@ impl Timeline {
             };
             marks.push(mark);
             let duration = run.cell_duration_s(index);
-            sums = mark.sums_after(duration);
+            let [twice, once, ..] = mark.after(duration);
+            sums = [once, twice];
             time += duration;
             distance += scale * cell.length;
         }
@@ -75,43 +81,75 @@ impl Timeline {
             acceleration: 0.0,
             scale,
         });
-        let mean_s = run.mean_s();
-        Self { mean_s, marks }
-    }
-
-    pub(crate) fn duration(&self) -> f64 {
-        self.marks[self.marks.len() - 1].time + 2.0 * self.mean_s
-    }
-
-    /// The distance at `time`: 0 before the start, the whole after the end.
-    pub(crate) fn distance_at(&self, time: f64) -> f64 {
-        if self.mean_s > 0.0 {
-            let [now, before, first] =
-                [0.0, 1.0, 2.0].map(|means| self.sum_at(time - means * self.mean_s));
-            return ((now - before) - (before - first)) / (self.mean_s * self.mean_s);
-        }
-        let next = self.marks.partition_point(|mark| mark.time <= time);
-        let Some(mark) = next.checked_sub(1).map(|index| &self.marks[index]) else {
-            return 0.0;
+        let (means, least_s) = match run.mean_s() > 0.0 {
+            true => (2, run.mean_s()),
+            false => (1, window_s),
         };
-        if next == self.marks.len() {
-            return mark.distance;
-        }
-        let t = time - mark.time;
-        let distance = mark.distance + (mark.pace + 0.5 * mark.acceleration * t) * t;
-        distance.min(self.marks[next].distance)
+        let ticks = ((time + f64::from(means) * least_s) / period_s).ceil();
+        let mean_s = (ticks * period_s - time) / f64::from(means);
+        let timeline = Self {
+            mean_s,
+            means,
+            marks,
+        };
+        (timeline, ticks as u32)
     }
 
-    /// Second integral of the distance of the plan itself until `time`.
-    fn sum_at(&self, time: f64) -> f64 {
+    /// Index of the mark before `time`; none before the start.
+    fn mark_at(&self, time: f64) -> Option<usize> {
         let next = self.marks.partition_point(|mark| mark.time <= time);
-        let mark = next.checked_sub(1).map(|index| &self.marks[index]);
-        mark.map_or(0.0, |mark| mark.sums_after(time - mark.time)[1])
+        next.checked_sub(1)
     }
 
-    /// Time at which the plan is at `distance`, or about it.
+    /// As [`Mark::after`], of the plan itself.
+    fn planned(&self, time: f64) -> [f64; 4] {
+        match self.mark_at(time) {
+            Some(index) => self.marks[index].after(time - self.marks[index].time),
+            None => [0.0; 4],
+        }
+    }
+
+    /// Distance, pace and acceleration at `time`.
+    pub(crate) fn at(&self, time: f64) -> [f64; 3] {
+        let mean = self.mean_s;
+        if self.means == 1 {
+            let from = self.planned(time - mean);
+            let to = self.planned(time);
+            let distance = from[2] + self.way(time - mean, from[2], time) / mean;
+            return [distance, (to[2] - from[2]) / mean, (to[3] - from[3]) / mean];
+        }
+        let [now, before, first] = [0.0, 1.0, 2.0].map(|means| self.planned(time - means * mean));
+        [0, 1, 2]
+            .map(|each| ((now[each] - before[each]) - (before[each] - first[each])) / (mean * mean))
+    }
+
+    /// Integral of the distance beyond `base` over the time from `from` to `to`.
+    fn way(&self, from: f64, base: f64, to: f64) -> f64 {
+        let mut sum = 0.0;
+        let first = self.mark_at(from).unwrap_or(0);
+        for (index, mark) in self.marks.iter().enumerate().skip(first) {
+            if mark.time >= to {
+                break;
+            }
+            let end = self
+                .marks
+                .get(index + 1)
+                .map_or(to, |next| next.time.min(to));
+            let [t, u] = [from.max(mark.time), end].map(|time| time - mark.time);
+            let integral = |t: f64| {
+                ((mark.distance - base) + (mark.pace / 2.0 + mark.acceleration * t / 6.0) * t) * t
+            };
+            if u > t {
+                sum += integral(u) - integral(t);
+            }
+        }
+        // Before the start it stands.
+        sum + (0.0 - base) * (self.marks[0].time.min(to) - from).max(0.0)
+    }
+
+    /// Time at which the motion is at `distance`, or about it.
     pub(crate) fn time_at(&self, distance: f64) -> f64 {
-        self.mean_s + self.planned_time_at(distance)
+        0.5 * f64::from(self.means) * self.mean_s + self.planned_time_at(distance)
     }
 
     fn planned_time_at(&self, distance: f64) -> f64 {
@@ -128,25 +166,56 @@ impl Timeline {
         }
     }
 
-    /// Time at which the plan is at place `index` of the run.
+    /// Time at which the motion is at place `index` of the run: by bisection of the mean.
     pub(crate) fn time_of(&self, index: usize) -> f64 {
-        self.marks[index].time + self.mean_s
+        let mark = &self.marks[index];
+        let (mut low, mut high) = (mark.time, mark.time + f64::from(self.means) * self.mean_s);
+        for _ in 0..40 {
+            let middle = 0.5 * (low + high);
+            match self.at(middle)[0] < mark.distance {
+                true => low = middle,
+                false => high = middle,
+            }
+        }
+        0.5 * (low + high)
+    }
+
+    /// Distance for each unit of the piece's parameter in a cell.
+    pub(crate) fn scale(&self, cell: usize) -> f64 {
+        self.marks[cell].scale
     }
 
     /// Index of the cell that holds `distance`.
-    pub(crate) fn cell_at(&self, distance: f64) -> usize {
+    fn cell_at(&self, distance: f64) -> usize {
         let next = self.marks.partition_point(|mark| mark.distance <= distance);
         next.saturating_sub(1).min(self.marks.len() - 2)
     }
 
-    /// Place at `distance`, with the places of the run.
-    pub(crate) fn place_at(&self, distance: f64, places: &[PathPlace]) -> PathPlace {
+    /// Distances of the plan between which lies all of which the motion between two times is a mean.
+    pub(crate) fn span(&self, [from, to]: [f64; 2]) -> [f64; 2] {
+        [from - f64::from(self.means) * self.mean_s, to].map(|time| self.planned_distance(time))
+    }
+
+    /// Distance of the plan itself.
+    fn planned_distance(&self, time: f64) -> f64 {
+        self.planned(time)[2]
+    }
+
+    /// Cells of the plan of which the motion between two times is a mean.
+    pub(crate) fn cells(&self, times: [f64; 2]) -> core::ops::Range<usize> {
+        let [first, last] = self.span(times).map(|distance| self.cell_at(distance));
+        first..last + 1
+    }
+
+    /// Place at `distance`, with the places of the run, and the distance for each unit of the piece's parameter there.
+    pub(crate) fn place_at(&self, distance: f64, places: &[PathPlace]) -> (PathPlace, f64) {
         let index = self.cell_at(distance);
         let mark = &self.marks[index];
         let p = places[index].p + (distance - mark.distance) / mark.scale;
-        PathPlace {
+        let place = PathPlace {
             p: p.clamp(0.0, 1.0),
             ..places[index]
-        }
+        };
+        (place, mark.scale)
     }
 }

@@ -329,6 +329,7 @@ impl ModelVisitor<f64> for PlanJob<'_> {
             resolution_m: resolution(scene, size_m(scene)),
             resolution_rad: resolution(scene, angle_rad(path)),
             ticks_min: ticks_min(scene),
+            ticks_shortest: ticks_shortest(scene),
         };
         let mut path = path.clone();
         if let Some(free) = path.free.as_ref().filter(|_| choose) {
@@ -362,6 +363,18 @@ const MOVE_MIN_S: f64 = 0.004;
 fn ticks_min(scene: &Scene) -> u32 {
     // The cast saturates.
     (MOVE_MIN_S * scene.tick_rate_hz).round().max(1.0) as u32
+}
+
+/// Time in which the acceleration goes from one value of the plan to the next, s.
+const RAMP_S: f64 = 0.001;
+
+/// Ticks of the shortest move where the acceleration changes. In fixed point the rounding of velocities is seen in what is shorter than
+/// other moves.
+fn ticks_shortest(scene: &Scene) -> u32 {
+    match scene.number {
+        NumberType::Fixed => ticks_min(scene),
+        _ => (RAMP_S * scene.tick_rate_hz).round().max(1.0) as u32,
+    }
 }
 
 /// Distance between neighbouring numbers of about `size` in the number type of `scene`.

@@ -455,7 +455,7 @@ fn an_image_is_burnt_pixel_by_pixel() {
         "--pitch",
         "2",
         "--overscan",
-        "4",
+        "5",
     ];
     let output = trirrr(&folder, "run", Path::new("tones.bmp"), &arguments);
     assert!(output.status.success(), "{}", text(&output.stderr));

@@ -25,7 +25,8 @@ const SAMPLING: Sampling = Sampling {
     tolerance_rad: 1e-4,
     resolution_m: f64::EPSILON,
     resolution_rad: f64::EPSILON,
-    ticks_min: 1,
+    ticks_min: 4,
+    ticks_shortest: 1,
 };
 
 /// A hold takes a tenth of a second where there is room.
@@ -232,6 +233,107 @@ fn a_corner_is_a_stop_unless_it_is_rounded() {
     let flows = planned::<WithLinks>(&parameters, &limits, &round).expect("a plan");
     assert_eq!((stops.plan.runs.len(), flows.plan.runs.len()), (2, 1));
     assert!(flows.ticks() < stops.ticks());
+}
+
+/// Travels and strokes with rounded corners, of random turns and lengths: the tool's setting changes within the tolerance of its corner, along
+/// the path and across it, and nothing between is left out.
+#[test]
+fn the_tool_changes_at_its_corner() {
+    let mut draw = 0x7472_6972_7272_u64;
+    let mut random = move || {
+        draw ^= draw << 13;
+        draw ^= draw >> 7;
+        draw ^= draw << 17;
+        (draw >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let mut rounded_corners = 0;
+    for _ in 0..1000 {
+        let tolerance_m = 1e-6 * 1000.0_f64.powf(random());
+        let mut at = Vector2::new(0.25, 0.25);
+        let mut heading = 0.0_f64;
+        let mut lines = Vec::new();
+        for _ in 0..12 {
+            // From hardly a turn to one that nearly goes back.
+            heading += 3.0 * random().powi(4) * (random() - 0.5).signum();
+            let length = 1e-5 * 1000.0_f64.powf(random());
+            let to = at + length * Vector2::new(heading.cos(), heading.sin());
+            let pose = |at: Vector2<f64>| Pose::from_f64(at.x, at.y, 0.4);
+            lines.push(Piece::line(pose(at), pose(to)));
+            at = to;
+        }
+        let mut pieces = path_pieces(&lines, None);
+        for (index, piece) in pieces.iter_mut().enumerate() {
+            (piece.setting, piece.source) = (index, index);
+        }
+        let round = round_corners(&pieces, tolerance_m);
+        assert_eq!(round[0].setting, 0);
+        for pair in round.windows(2) {
+            let [before, here] = [&pair[0], &pair[1]];
+            let apart = before.piece.end().displacement(&here.piece.at(0.0).pose);
+            assert!(apart.norm() < 1e-12, "{apart}");
+            if before.setting == here.setting {
+                continue;
+            }
+            assert_eq!(here.setting, before.setting + 1);
+            let corner = lines[here.setting].at(0.0).pose;
+            let off = corner.displacement(&here.piece.at(0.0).pose);
+            rounded_corners += u32::from(off.norm() > 0.0);
+            assert!(
+                off.xy().norm() <= tolerance_m * (1.0 + 1e-9),
+                "{off} {tolerance_m}"
+            );
+        }
+        assert_eq!(round.last().expect("a piece").setting, lines.len() - 1);
+    }
+    assert!(rounded_corners > 5000, "{rounded_corners}");
+}
+
+/// A stroke at 50 mm/min between two travels, its corners rounded: it takes the time of its feed.
+#[test]
+fn a_slow_piece_beside_fast_ones_keeps_its_feed() {
+    let pose = Pose::from_f64;
+    let limits = LimitParameters {
+        torque_nm: Some([0.3; 3]),
+        rate_rad_s: Some([5.0; 3]),
+        ..LimitParameters::default()
+    };
+    let slow = 0.05 / 60.0;
+    let pieces = [
+        Piece::line(pose(0.225, 0.285, 0.4), pose(0.275, 0.285, 0.4)),
+        Piece::line(pose(0.275, 0.285, 0.4), pose(0.275, 0.288, 0.4)),
+        Piece::line(pose(0.275, 0.288, 0.4), pose(0.225, 0.285, 0.4)),
+    ];
+    let mut pieces = path_pieces(&pieces, None);
+    pieces[1].feed_m_s = Some(slow);
+    for corner_m in [1e-5, 0.0] {
+        let pieces = match corner_m > 0.0 {
+            true => round_corners(&pieces, corner_m),
+            false => pieces.clone(),
+        };
+        let planned = planned::<WithLinks>(&machine(true), &limits, &pieces).expect("a plan");
+        let played_s = planned.ticks() as f64 * SAMPLING.period_s;
+        println!(
+            "corner {corner_m}: {played_s} s, {} moves",
+            planned.moves.len()
+        );
+        assert!((3.8..4.2).contains(&played_s), "{played_s}");
+        let speed = |each: &PlannedMove| {
+            let segment = each.segment(SAMPLING.period_s);
+            let speeds = (0..=16).map(|part| {
+                let velocity = segment.at_fraction(f64::from(part) / 16.0).velocity;
+                velocity.x.hypot(velocity.y)
+            });
+            speeds.fold(0.0, f64::max)
+        };
+        let is_slow = |each: &&PlannedMove| speed(each) <= slow * (1.0 + 1e-9);
+        let ticks: u32 = planned
+            .moves
+            .iter()
+            .filter(is_slow)
+            .map(|each| each.ticks)
+            .sum();
+        assert!(f64::from(ticks) * SAMPLING.period_s > 3.5, "{ticks}");
+    }
 }
 
 #[test]

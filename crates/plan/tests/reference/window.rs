@@ -2,11 +2,13 @@
 
 use crate::judge::excess;
 use crate::problems::{machine, path, problems};
+use core::f64::consts::FRAC_PI_2;
+use nalgebra::Vector2;
 use trirrr_core::limits::{LimitParameters, Limits};
 use trirrr_core::machine::Parameters;
 use trirrr_core::model::{Dynamic, Model};
 use trirrr_core::number::{Arithmetic, Number};
-use trirrr_core::setpoint::Quintics;
+use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_core::torque::links::{Horizontal, Massive, Massless};
 use trirrr_core::torque::payload::Centred;
 use trirrr_plan::piece::Piece;
@@ -150,4 +152,46 @@ fn a_window_comes_near_the_least_times() {
 #[test]
 fn a_window_of_a_board_comes_near_the_least_times() {
     near_the_least_times::<f32, 64>(3, 1.9);
+}
+
+/// A straight line, and an arc, at feeds from one at which the window sees a few hundredths of a second to one that is never reached: the motion
+/// does not stand before the end, and takes the time of its feed.
+#[test]
+fn no_motion_stands_within_a_line() {
+    let parameters = machine(true);
+    let limits = LimitParameters {
+        torque_nm: Some([0.3; 3]),
+        rate_rad_s: Some([5.0; 3]),
+        ..LimitParameters::default()
+    };
+    let pose = Pose::from_f64;
+    let start = pose(0.25, 0.245, 0.4);
+    let line = Piece::line(start, pose(0.29, 0.245, 0.4));
+    let arc = Piece::arc(start, Vector2::new(0.25, 0.265), FRAC_PI_2, 0.4);
+    for feed_mm_min in [1.0, 20.0, 100.0, 300.0, 3000.0, 15000.0] {
+        for (pieces, length) in [([line], 0.04), ([arc], 0.02 * FRAC_PI_2)] {
+            if feed_mm_min < 20.0 && length > 0.035 {
+                continue;
+            }
+            let feed = feed_mm_min / 60e3;
+            let play = play::<WithLinks<f32>, 48>;
+            let played = play(&parameters, &limits, settings(4), &pieces, Some(feed));
+            let speed = |each: &WindowMove<f32, usize>| {
+                let velocity = each.ends.velocities[1];
+                f64::from(velocity.x).hypot(f64::from(velocity.y))
+            };
+            let (_, before) = played.moves.split_last().expect("moves");
+            let stands = before
+                .iter()
+                .filter(|each| speed(each) < 0.01 * feed)
+                .count();
+            let ticks: u32 = played.moves.iter().map(|each| each.ticks).sum();
+            let time = f64::from(ticks) * 1e-3;
+            println!(
+                "{feed_mm_min} mm/min, {length:.4} m: {stands} stands, {time} s in {} moves, {:.3} of the time at the feed",
+                played.moves.len(),
+                time / (length / feed)
+            );
+        }
+    }
 }
