@@ -27,7 +27,7 @@ const FASTER: f64 = 1e-4;
 /// Part of the feed that moves may use at the instants that are looked at.
 const FEED: f64 = 0.9997;
 /// Part of the limits that a plan for moves uses at most; the rest is for what moves differ from it.
-const SHARE: f64 = 0.999;
+const SHARE: f64 = 0.997;
 /// The same where the feed is hardly more than rounding.
 const SHARE_MIN: f64 = 0.25;
 /// Part of the largest jerk by which a move may differ from the law.
@@ -51,7 +51,7 @@ const SPARE: f64 = 32.0;
 /// Instants of a move at which the limits of the motors are looked at, and the part of them that it may use there: what is left is for the
 /// motion between, and for the rounding of another number type in which the moves may be played.
 const LOOKED: u32 = 16;
-const OF_LIMITS: f64 = 0.9993;
+const OF_LIMITS: f64 = 0.998;
 
 /// A place of a run near which moves are shorter.
 #[derive(Clone, Copy, Debug)]

@@ -160,7 +160,8 @@ impl<N: HostNumber> Bench<'_, N> {
             }
             self.pass();
         }
-        panic!("it does not come: {}", self.told());
+        let state = self.state();
+        panic!("it does not come in {state} at {:?}: {}", self.place, self.told());
     }
 
     /// Lines that were said, without reports.

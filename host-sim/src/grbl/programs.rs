@@ -175,7 +175,10 @@ fn play(seed: u64, programs: u32, figures: &Mutex<Figures>) {
             let Some(job) = planned(scene(), [0.25, 0.245], &text) else {
                 continue;
             };
+            let began = bench.tick;
+            eprintln!("PROGRAM seed {seed:#x} {text}");
             let by_grbl = is_played_by_grbl(bench, &text);
+            eprintln!("TICKS {}", bench.tick - began);
             let by_stream = failure_of_stream(&job);
             let mut figures = figures.lock().expect("figures");
             figures.good += 1;
