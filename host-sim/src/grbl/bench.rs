@@ -161,7 +161,11 @@ impl<N: HostNumber> Bench<'_, N> {
             self.pass();
         }
         let state = self.state();
-        panic!("it does not come in {state} at {:?}: {}", self.place, self.told());
+        panic!(
+            "it does not come in {state} at {:?}: {}",
+            self.place,
+            self.told()
+        );
     }
 
     /// Lines that were said, without reports.

@@ -14,6 +14,7 @@ mod first_steps;
 mod grbl;
 mod jobs;
 mod linkage;
+mod planning;
 mod plant;
 mod raster;
 mod redundant;
