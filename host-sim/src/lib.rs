@@ -55,6 +55,7 @@ mod numbers;
 mod patched_scene;
 pub mod pictures;
 pub mod plan;
+mod player;
 pub mod program;
 pub mod realtime;
 pub mod recording;

@@ -82,7 +82,7 @@ pub fn command(args: &PlanArgs) -> Result<(), CliError> {
     let points = all_points(&scene, &job);
     write(&scene, &job, &points, &mut results)?;
     results.pictures()?;
-    results.end(Ok(()))?;
+    results.end(None)?;
     let mut document = document(&scene, &job, &points);
     // Files of the folder: programs know them by their names.
     if !args.json {

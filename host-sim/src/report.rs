@@ -57,7 +57,7 @@ pub fn command(args: &ReportArgs) -> Result<(), CliError> {
     for file in &report.files {
         results.write(&file.name, file.content.clone())?;
     }
-    results.end(Ok(()))?;
+    results.end(None)?;
     for file in results.files() {
         print(&format!("{}\n", file.display()))?;
     }

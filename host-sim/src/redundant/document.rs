@@ -4,7 +4,6 @@ use super::peaks::RedundantPeaks;
 use super::plant::SimulatedMachine;
 use super::play::RedundantReport;
 use super::{kind_text, placement_text, slider_texts};
-use crate::run::JobEnd;
 use crate::run::document::{RunOutcome, add_lagrange, add_peaks, at, counted, signal};
 use std::path::Path;
 use trirrr_figures::document::{Document, Facts, digits, quantity};
@@ -69,10 +68,6 @@ pub(super) fn checked(scene: &RedundantScene) -> Document {
 
 /// The run of `scene`, read from `file`.
 pub(super) fn played(file: &Path, scene: &RedundantScene, report: &RedundantReport) -> Document {
-    let end = match report.is_complete {
-        true => JobEnd::Complete,
-        false => JobEnd::Stopped,
-    };
     let played = RunOutcome {
         name: &scene.name,
         description: &scene.description,
@@ -81,10 +76,7 @@ pub(super) fn played(file: &Path, scene: &RedundantScene, report: &RedundantRepo
         ticks: scene.ticks(),
         rate_hz: scene.tick_rate_hz,
         setpoints: report.rows,
-        elapsed: report.elapsed,
-        computation: &report.computation,
-        deadlines: report.deadlines.as_ref(),
-        end: &end,
+        played: &report.played,
     };
     let mut document = Document::new();
     let head = played

@@ -8,23 +8,21 @@ use super::record::RedundantRecorder;
 use crate::failure::CliError;
 use crate::histogram::Histogram;
 use crate::lagrange::{LagrangeColumns, LagrangeFound};
-use crate::realtime::{Deadlines, Pacer};
+use crate::player::STOPPED;
+use crate::realtime::Pacer;
 use crate::results::ResultFolder;
-use crate::run::{JobEnd, RunArgs};
+use crate::run::{JobEnd, PlayedJob, RunArgs};
 use crate::terminal::show;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use trirrr_linkage::redundant::scene::{RedundantPlayer, RedundantScene};
 use trirrr_scene::NumberType;
 
 /// Result of a run.
 pub(super) struct RedundantReport {
-    pub(super) is_complete: bool,
+    pub(super) played: PlayedJob,
     pub(super) rows: u64,
-    pub(super) elapsed: Duration,
-    pub(super) computation: Histogram,
-    pub(super) deadlines: Option<Deadlines>,
     pub(super) peaks: Option<RedundantPeaks>,
     pub(super) lagrange: Option<LagrangeFound>,
     pub(super) plant: Option<SimulatedMachine>,
@@ -57,7 +55,9 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
     let failure = plant.and_then(|outcome| outcome.failure.as_ref());
     match failure {
         Some(failure) => Err(CliError::Failed(format!("plant: {failure}"))),
-        None if !report.is_complete || plant.is_some_and(|outcome| outcome.is_stopped) => {
+        None if report.played.end != JobEnd::Complete
+            || plant.is_some_and(|outcome| outcome.is_stopped) =>
+        {
             Ok(JobEnd::Stopped)
         }
         None => Ok(JobEnd::Complete),
@@ -129,11 +129,16 @@ fn play(
         _ => None,
     };
     let report = RedundantReport {
-        is_complete,
+        played: PlayedJob {
+            end: match is_complete {
+                true => JobEnd::Complete,
+                false => JobEnd::Stopped,
+            },
+            elapsed,
+            computation,
+            deadlines: pacer.map(Pacer::finish),
+        },
         rows,
-        elapsed,
-        computation,
-        deadlines: pacer.map(Pacer::finish),
         peaks,
         lagrange,
         plant,
@@ -141,10 +146,10 @@ fn play(
     };
     let outcome = report.plant.as_ref().map(|plant| &plant.outcome);
     let why = match outcome {
-        _ if !is_complete => Err("stopped by the user"),
-        Some(outcome) if outcome.is_stopped => Err("stopped by the user"),
-        Some(outcome) => outcome.failure.as_deref().map_or(Ok(()), Err),
-        None => Ok(()),
+        _ if !is_complete => Some(STOPPED),
+        Some(outcome) if outcome.is_stopped => Some(STOPPED),
+        Some(outcome) => outcome.failure.as_deref(),
+        None => None,
     };
     results.end(why)?;
     Ok(report)

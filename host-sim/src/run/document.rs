@@ -1,9 +1,8 @@
 //! A run as a document. Runs of all machines share its parts.
 
-use super::{JobEnd, RunReport};
+use super::report::{JobEnd, PlayedJob, RunReport};
 use crate::histogram::Histogram;
 use crate::lagrange::LagrangeFound;
-use crate::realtime::Deadlines;
 use crate::recording::{At, MotorLoad, Peaks};
 use std::path::Path;
 use std::time::Duration;
@@ -22,10 +21,7 @@ pub(crate) struct RunOutcome<'a> {
     pub(crate) rate_hz: f64,
     /// Setpoints that have a record.
     pub(crate) setpoints: u64,
-    pub(crate) elapsed: Duration,
-    pub(crate) computation: &'a Histogram,
-    pub(crate) deadlines: Option<&'a Deadlines>,
-    pub(crate) end: &'a JobEnd,
+    pub(crate) played: &'a PlayedJob,
 }
 
 /// A number of things.
@@ -53,17 +49,17 @@ impl RunOutcome<'_> {
             "{moves}, {duration} s: {} ticks at {} Hz",
             self.ticks, self.rate_hz
         );
-        let how = match &self.deadlines {
+        let how = match &self.played.deadlines {
             Some(_) => "in real time",
             None => "without pacing",
         };
-        let (all, took) = (u64::from(self.ticks) + 1, self.elapsed.as_secs_f64());
+        let (all, took) = (u64::from(self.ticks) + 1, self.played.elapsed.as_secs_f64());
         let ran = format!(
             "{} of {all} setpoints {how}, {}",
             self.setpoints,
             seconds(took)
         );
-        let (name, label, words) = match self.end {
+        let (name, label, words) = match &self.played.end {
             JobEnd::Complete => ("complete", "", String::new()),
             JobEnd::Stopped => (
                 "stopped",
@@ -77,7 +73,7 @@ impl RunOutcome<'_> {
                 format!("{what}; what came before is written"),
             ),
         };
-        let reason = match self.end {
+        let reason = match &self.played.end {
             JobEnd::Refused(why) | JobEnd::Fault(why) => Some(why),
             _ => None,
         };
@@ -99,20 +95,21 @@ impl RunOutcome<'_> {
     /// Times of the computation of a tick, and of the deadlines.
     pub(crate) fn times(&self) -> Facts {
         let period_us = 1e6 / self.rate_hz;
-        let late = self.deadlines.map(|deadlines| {
+        let deadlines = self.played.deadlines.as_ref();
+        let late = deadlines.map(|deadlines| {
             let (late, total) = (deadlines.late, deadlines.release.count());
             format!("{late} of {total} (a result after {period_us} microseconds)")
         });
-        let jitter = self.deadlines.map(|deadlines| times(&deadlines.release));
+        let jitter = deadlines.map(|deadlines| times(&deadlines.release));
         Facts::new()
-            .group("computing_us", "computing", times(self.computation))
+            .group("computing_us", "computing", times(&self.played.computation))
             .group("jitter_us", "jitter", jitter)
             .text(
                 "",
                 late.as_ref()
                     .map(|_| "(jitter: how long after its time a tick began)".to_owned()),
             )
-            .pair("late_ticks", "late ticks", self.deadlines.map(|it| it.late))
+            .pair("late_ticks", "late ticks", deadlines.map(|it| it.late))
             .words(late.unwrap_or_default())
     }
 }
@@ -215,11 +212,8 @@ pub(super) fn document(file: &Path, scene: &Scene, report: &RunReport) -> Docume
         moves: scene.job.count(),
         ticks: scene.ticks(),
         rate_hz: scene.tick_rate_hz,
-        setpoints: report.records,
-        elapsed: report.elapsed,
-        computation: &report.computation,
-        deadlines: report.deadlines.as_ref(),
-        end: &report.end,
+        setpoints: report.job.rows,
+        played: &report.played,
     };
     let mut document = Document::new();
     let numbers = (report.scalar.name(), report.scalar.to_string());
@@ -231,15 +225,21 @@ pub(super) fn document(file: &Path, scene: &Scene, report: &RunReport) -> Docume
             .words(numbers.1)
             .and(played.job(hold)),
     );
-    match &report.peaks {
-        Some(peaks) => add_peaks(&mut document, peaks, scene.torque, &report.loads, |_| ()),
+    match &report.job.peaks {
+        Some(peaks) => add_peaks(
+            &mut document,
+            peaks,
+            scene.torque,
+            &report.job.loads,
+            |_| (),
+        ),
         None => {
             let none = Facts::new().data("motors", ());
             let none = none.data("serial_distance_min", ());
             document.pairs(none.data("parallel_distance_min", ()));
         }
     }
-    add_lagrange(&mut document, report.lagrange.as_ref());
+    add_lagrange(&mut document, report.job.lagrange.as_ref());
     if let Some(drives) = &report.drives {
         document.pairs_in("drives", drives.peaks.record());
     }

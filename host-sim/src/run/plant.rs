@@ -3,6 +3,7 @@
 use super::document::{seconds, signal};
 use crate::failure::CliError;
 use crate::figures::{JobMarks, MotorCurves, PlantTraces};
+use crate::player::STOPPED;
 use crate::results::{ResultFolder, unwritable};
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -31,11 +32,16 @@ pub struct Simulated {
 }
 
 impl Simulated {
+    /// Returns `true` if the user ended the simulation.
+    pub(super) fn is_stopped(&self) -> bool {
+        matches!(self.outcome.end, PlantEnd::Interrupted { .. })
+    }
+
     /// Reason why the plant did not come to the end of the job.
     pub(super) fn reason(&self) -> Option<String> {
-        match &self.outcome.end {
-            PlantEnd::Interrupted { .. } => Some(super::STOPPED.into()),
-            end => end.reason(),
+        match self.is_stopped() {
+            true => Some(STOPPED.into()),
+            false => self.outcome.end.reason(),
         }
     }
 }

@@ -1,10 +1,10 @@
 //! Plays a job tick by tick, in real time or as fast as the computer can.
 
-use super::JobEnd;
 use super::plant::PlantRecorder;
+use super::report::{JobEnd, PlayedJob};
 use crate::failure::CliError;
 use crate::histogram::Histogram;
-use crate::realtime::{Deadlines, Pacer};
+use crate::realtime::Pacer;
 use crate::supply::{SuppliedChunk, next_chunk};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender};
@@ -14,15 +14,6 @@ use trirrr_client::runner::{JobPart, JobRunner, PlayedTick};
 use trirrr_drives::ObeyingDrives;
 use trirrr_protocol::message::State;
 use trirrr_service::{Output, Readings, ServiceNumber};
-
-/// Result of a job, besides its ticks.
-pub(super) struct RunResult {
-    pub(super) end: JobEnd,
-    pub(super) elapsed: Duration,
-    pub(super) computation: Histogram,
-    /// Deadlines met and missed, if the job was paced.
-    pub(super) deadlines: Option<Deadlines>,
-}
 
 /// Machine whose service hears the drives of the plant, in one thread with it.
 pub(super) struct ClosedLoop<'p, 'l, N: ServiceNumber> {
@@ -73,7 +64,7 @@ pub(super) fn play<N: ServiceNumber>(
     rate_hz: Option<f64>,
     stop: &AtomicBool,
     ticks: &SyncSender<SentTick<N>>,
-) -> RunResult {
+) -> PlayedJob {
     let mut computation = Histogram::default();
     let mut start = None;
     let mut pacer = None;
@@ -127,7 +118,7 @@ pub(super) fn play<N: ServiceNumber>(
             break JobEnd::Stopped;
         }
     };
-    RunResult {
+    PlayedJob {
         end,
         elapsed: start.map_or(Duration::ZERO, |start| start.elapsed()),
         computation,

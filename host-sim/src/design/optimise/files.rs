@@ -92,11 +92,7 @@ pub(super) fn write(
         let title = format!("{}: study", record.scene);
         results.write("study.html", document.page(&title))?;
     }
-    let end = match record.partial {
-        true => Err("interrupted"),
-        false => Ok(()),
-    };
-    results.end(end)?;
+    results.end(record.partial.then_some("interrupted"))?;
     if result.best.is_none() {
         return Err(CliError::Failed(no_candidate(
             &result,
