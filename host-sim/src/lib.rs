@@ -46,7 +46,6 @@ pub mod init;
 pub mod install;
 pub mod job_file;
 pub mod key;
-pub mod lagrange;
 #[cfg(feature = "full")]
 pub mod linkage;
 pub mod machine;

@@ -3,8 +3,8 @@
 
 use crate::failure::CliError;
 use crate::figures::JobMarks;
-use crate::lagrange::LagrangeColumns;
 use crate::numbers;
+use crate::recording::LagrangeColumns;
 use crate::recording::{DriveRecorder, Recorded, RecordedDrives, Recorder};
 use crate::results::ResultFolder;
 use trirrr_client::describe;

@@ -5,16 +5,17 @@ mod drawing_args;
 #[cfg(feature = "full")]
 mod image;
 mod image_args;
+mod kind;
 mod long;
 mod queue;
 mod read;
 
 pub use args::JobFileArgs;
-pub(crate) use args::{distance, origin};
+pub(crate) use args::origin;
 pub use drawing_args::{DrawingArgs, PenArg};
 pub use image_args::ImageArgs;
 use long::LongPath;
-use read::{JobKind, ReadWay};
+use read::ReadWay;
 
 pub(crate) use queue::{QueuedJob, load_queue};
 

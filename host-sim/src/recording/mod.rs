@@ -1,17 +1,18 @@
 //! Table, figures and peaks of a job, from the records of a run or of a board.
 
 mod drives;
+mod lagrange;
 mod load;
 mod peaks;
 
 pub use drives::{DrivePeaks, DriveRecorder, RecordedDrives};
+pub use lagrange::{LagrangeColumns, LagrangeFound};
 pub use load::MotorLoad;
 pub use peaks::{At, MotorPeaks, Peaks};
 
 use crate::failure::CliError;
 use crate::figures;
 use crate::figures::{JobMarks, MotorCurves, Traces};
-use crate::lagrange::{LagrangeColumns, LagrangeFound};
 use crate::results::{ResultFolder, unwritable};
 use load::LoadMeter;
 use std::fs::File;

@@ -1,6 +1,8 @@
 //! The extremes of a run.
 
+use trirrr_figures::document::Facts;
 use trirrr_scene::record::{LegRecord, Record};
+use trirrr_scene::words::tick_time;
 
 /// A value and when it occurred.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +14,15 @@ pub struct At {
 }
 
 impl At {
+    /// Value and its time.
+    pub(crate) fn facts(self) -> Facts {
+        let time = format!("{} s", tick_time(self.t));
+        Facts::new()
+            .pair("value", "", self.value)
+            .pair("t_s", "at t =", self.t)
+            .words(time)
+    }
+
     /// Takes a later value in, if its size is greater.
     pub(crate) fn grow(&mut self, new: At) {
         if new.value.abs() > self.value.abs() {

@@ -4,7 +4,7 @@ use super::peaks::RedundantPeaks;
 use super::plant::SimulatedMachine;
 use super::play::RedundantReport;
 use super::{kind_text, placement_text, slider_texts};
-use crate::run::document::{RunOutcome, add_lagrange, add_peaks, at, counted, signal};
+use crate::run::document::{RunOutcome, add_lagrange, add_peaks, counted, signal};
 use std::path::Path;
 use trirrr_figures::document::{Document, Facts, digits, quantity};
 use trirrr_linkage::redundant::scene::RedundantScene;
@@ -109,24 +109,28 @@ fn add_redundant(document: &mut Document, peaks: &RedundantPeaks) {
         Facts::new()
             .pair("leg", "", number)
             .words(format!("slider {number}"))
-            .group("peak_velocity_m_s", "peak velocity", at(slider.velocity))
-            .group("peak_force_n", "peak force", at(slider.force))
-            .group("peak_power_w", "peak power", at(slider.power))
+            .group(
+                "peak_velocity_m_s",
+                "peak velocity",
+                slider.velocity.facts(),
+            )
+            .group("peak_force_n", "peak force", slider.force.facts())
+            .group("peak_power_w", "peak power", slider.power.facts())
     });
     document.table("slider_peaks", sliders.collect());
     let (leg, joint) = peaks.joint;
     let is_loaded = peaks.norm.value > peaks.least_norm.value * (1.0 + 1e-9);
-    let least = at(peaks.least_norm);
+    let least = peaks.least_norm.facts();
     let without = is_loaded.then(|| format!("without preload {}", least.line_in(Some("N m"))));
     document.pairs(
         Facts::new()
-            .group("torque_norm_max_nm", "torque norm", at(peaks.norm))
+            .group("torque_norm_max_nm", "torque norm", peaks.norm.facts())
             .text("", without)
             .data("torque_norm_max_without_preload_nm", least)
             .group(
                 "joint_force_max_n",
                 "joint force",
-                at(joint).text("leg", (leg + 1).to_string()),
+                joint.facts().text("leg", (leg + 1).to_string()),
             ),
     );
 }

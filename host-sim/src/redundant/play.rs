@@ -7,11 +7,11 @@ use super::read;
 use super::record::RedundantRecorder;
 use crate::failure::CliError;
 use crate::histogram::Histogram;
-use crate::lagrange::{LagrangeColumns, LagrangeFound};
 use crate::player::STOPPED;
 use crate::realtime::Pacer;
+use crate::recording::{LagrangeColumns, LagrangeFound};
 use crate::results::ResultFolder;
-use crate::run::{JobEnd, PlayedJob, RunArgs};
+use crate::run::{JobEnd, RunArgs, RunResult};
 use crate::terminal::show;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -21,7 +21,7 @@ use trirrr_scene::NumberType;
 
 /// Result of a run.
 pub(super) struct RedundantReport {
-    pub(super) played: PlayedJob,
+    pub(super) played: RunResult,
     pub(super) rows: u64,
     pub(super) peaks: Option<RedundantPeaks>,
     pub(super) lagrange: Option<LagrangeFound>,
@@ -129,7 +129,7 @@ fn play(
         _ => None,
     };
     let report = RedundantReport {
-        played: PlayedJob {
+        played: RunResult {
             end: match is_complete {
                 true => JobEnd::Complete,
                 false => JobEnd::Stopped,

@@ -3,8 +3,8 @@
 use super::peaks::RedundantPeaks;
 use crate::failure::CliError;
 use crate::figures::RedundantTraces;
-use crate::lagrange::{LagrangeColumns, LagrangeFound};
 use crate::recording::table_line;
+use crate::recording::{LagrangeColumns, LagrangeFound};
 use crate::results::{ResultFolder, unwritable};
 use std::fs::File;
 use std::io::{BufWriter, Write};

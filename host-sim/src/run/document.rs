@@ -1,9 +1,9 @@
 //! A run as a document. Runs of all machines share its parts.
 
-use super::report::{JobEnd, PlayedJob, RunReport};
+use super::report::{JobEnd, RunReport, RunResult};
 use crate::histogram::Histogram;
-use crate::lagrange::LagrangeFound;
-use crate::recording::{At, MotorLoad, Peaks};
+use crate::recording::LagrangeFound;
+use crate::recording::{MotorLoad, Peaks};
 use std::path::Path;
 use std::time::Duration;
 use trirrr_figures::document::{Document, Facts, quantity};
@@ -21,7 +21,7 @@ pub(crate) struct RunOutcome<'a> {
     pub(crate) rate_hz: f64,
     /// Setpoints that have a record.
     pub(crate) setpoints: u64,
-    pub(crate) played: &'a PlayedJob,
+    pub(crate) played: &'a RunResult,
 }
 
 /// A number of things.
@@ -131,15 +131,6 @@ fn times(times: &Histogram) -> Facts {
         .pair("max", "max", us(times.max()))
 }
 
-/// Value and its time.
-pub(crate) fn at(at: At) -> Facts {
-    let time = format!("{} s", tick_time(at.t));
-    Facts::new()
-        .pair("value", "", at.value)
-        .pair("t_s", "at t =", at.t)
-        .words(time)
-}
-
 /// Adds the peaks of the motors, with their loads where they are known, and `more` extremes. A scene without torques has rates only.
 pub(crate) fn add_peaks(
     document: &mut Document,
@@ -152,13 +143,13 @@ pub(crate) fn add_peaks(
         let row = Facts::new().text("", format!("motor {}", index + 1)).group(
             "peak_rate_rad_s",
             "peak rate",
-            at(motor.rate),
+            motor.rate.facts(),
         );
         let row = match torque {
             false => return row,
             true => row
-                .group("peak_torque_nm", "peak torque", at(motor.torque))
-                .group("peak_power_w", "peak power", at(motor.power)),
+                .group("peak_torque_nm", "peak torque", motor.torque.facts())
+                .group("peak_power_w", "peak power", motor.power.facts()),
         };
         match loads.get(index) {
             None => row,
@@ -172,14 +163,15 @@ pub(crate) fn add_peaks(
     more(document);
     let legs = peaks.serial.iter().zip(1..);
     let least = legs.min_by(|(one, _), (other, _)| one.value.total_cmp(&other.value));
-    let serial = least.map(|(least, leg): (_, u32)| at(*least).text("leg", leg.to_string()).line());
+    let serial =
+        least.map(|(least, leg): (_, u32)| least.facts().text("leg", leg.to_string()).line());
     let distances = Facts::new()
         .rows(
             "serial_distance_min",
-            peaks.serial.iter().map(|leg| at(*leg)),
+            peaks.serial.iter().map(|leg| leg.facts()),
         )
         .text("serial", serial)
-        .group("parallel_distance_min", "parallel", at(peaks.parallel));
+        .group("parallel_distance_min", "parallel", peaks.parallel.facts());
     document
         .heading("least distance to singularity (scale-free, 0 to 1)")
         .pairs(distances);

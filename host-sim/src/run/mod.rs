@@ -4,6 +4,7 @@
 mod args;
 pub(crate) mod document;
 mod plant;
+mod plant_document;
 mod play;
 mod progress;
 mod report;
@@ -12,7 +13,7 @@ mod tolerances;
 
 pub use args::RunArgs;
 pub use plant::Simulated;
-pub use report::{JobEnd, PlayedJob, RunReport};
+pub use report::{JobEnd, RunReport, RunResult};
 
 use crate::failure::CliError;
 use crate::job_file::{self, LongMoves, QueuedJob};
@@ -133,7 +134,7 @@ fn run_job(
         }
     }
     match &report.plant {
-        Some(simulated) => plant::add_to(&mut document, simulated),
+        Some(simulated) => plant_document::add_to(&mut document, simulated),
         None => {
             document.data("plant", ());
         }

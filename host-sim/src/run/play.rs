@@ -1,7 +1,7 @@
 //! Plays a job tick by tick, in real time or as fast as the computer can.
 
 use super::plant::PlantRecorder;
-use super::report::{JobEnd, PlayedJob};
+use super::report::{JobEnd, RunResult};
 use crate::failure::CliError;
 use crate::histogram::Histogram;
 use crate::realtime::Pacer;
@@ -64,7 +64,7 @@ pub(super) fn play<N: ServiceNumber>(
     rate_hz: Option<f64>,
     stop: &AtomicBool,
     ticks: &SyncSender<SentTick<N>>,
-) -> PlayedJob {
+) -> RunResult {
     let mut computation = Histogram::default();
     let mut start = None;
     let mut pacer = None;
@@ -118,7 +118,7 @@ pub(super) fn play<N: ServiceNumber>(
             break JobEnd::Stopped;
         }
     };
-    PlayedJob {
+    RunResult {
         end,
         elapsed: start.map_or(Duration::ZERO, |start| start.elapsed()),
         computation,

@@ -36,7 +36,7 @@ impl JobEnd {
 
 /// Result of a job, besides its ticks.
 #[derive(Clone, Debug)]
-pub struct PlayedJob {
+pub struct RunResult {
     /// End of the job.
     pub end: JobEnd,
     /// Duration of the run.
@@ -50,8 +50,8 @@ pub struct PlayedJob {
 /// Result of a run.
 #[derive(Clone, Debug)]
 pub struct RunReport {
-    /// How the job was played.
-    pub played: PlayedJob,
+    /// End and times of the job.
+    pub played: RunResult,
     /// Number of setpoints of the whole job.
     pub setpoints: u64,
     /// Records, their extremes and files.

@@ -3,12 +3,12 @@
 use super::plant::PlantRecorder;
 use super::play::{ClosedLoop, SentTick, play};
 use super::progress::ProgressDisplay;
-use super::report::{JobEnd, PlayedJob, RunReport};
+use super::report::{JobEnd, RunReport, RunResult};
 use super::{TickRows, WAITING};
 use crate::failure::CliError;
 use crate::figures::JobMarks;
-use crate::lagrange::LagrangeColumns;
 use crate::player::{JobFiles, JobRecorder, PlayedScene, RecordedJob};
+use crate::recording::LagrangeColumns;
 use crate::results::ResultFolder;
 use crate::supply::{MoveSupply, WAITING_CHUNKS};
 use std::sync::atomic::AtomicBool;
@@ -25,7 +25,7 @@ use trirrr_scene::offer;
 use trirrr_service::ServiceNumber;
 
 /// A job on a machine in this program.
-struct Run<'s, N: ServiceNumber> {
+struct HostRun<'s, N: ServiceNumber> {
     scene: &'s PlayedScene<'s, N>,
     work: JobWork<N>,
     /// Moves of a long job.
@@ -69,7 +69,7 @@ pub(super) fn simulate_in<N: HostNumber + Countable>(
         progress: ProgressDisplay::new(setpoints, expected),
         plant: plant.take_if(|_| !is_closed),
     };
-    let run = Run {
+    let run = HostRun {
         scene: played,
         work,
         supply,
@@ -105,14 +105,14 @@ pub(super) fn simulate_in<N: HostNumber + Countable>(
     Ok((report, results))
 }
 
-impl<'s, N: HostNumber> Run<'s, N> {
+impl<N: HostNumber> HostRun<'_, N> {
     /// Plays the job on `machine`, with a `plant` that its service hears, and records the ticks in a thread of their own.
     fn play_and_record<'a>(
         self,
         machine: &mut dyn LocalService<N>,
         plant: Option<&mut PlantRecorder<'_, N>>,
         recording: Recording<'a, N>,
-    ) -> (PlayedJob, Result<Recorders<'a, N>, CliError>) {
+    ) -> (RunResult, Result<Recorders<'a, N>, CliError>) {
         let scene = self.scene.scene;
         let angles = machine.motors().each_ref().map(|motor| motor.angle);
         let closed = plant.map(|plant| ClosedLoop::new(plant, angles));

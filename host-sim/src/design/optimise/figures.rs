@@ -1,7 +1,6 @@
 //! Figures of a study.
 
-use super::files::StudyResult;
-use super::record::StudyRecord;
+use super::record::{StudyRecord, StudyResult};
 use crate::design::scatter::{ScatterAxis, ScatterMarks, ScatterSet, scatter};
 use trirrr_design::optimise::{Appraisal, Objective, StudyScene};
 use trirrr_figures::canvas::Drawn;

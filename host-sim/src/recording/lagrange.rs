@@ -1,7 +1,6 @@
 //! Torques by Lagrange's equations beside those of a run: columns of `ticks.csv`, and the largest difference.
 
-use crate::recording::At;
-use crate::run::document::at;
+use super::At;
 use trirrr_figures::document::{Facts, digits};
 use trirrr_linkage::redundant::scene::{RedundantRecord, RedundantScene};
 use trirrr_scene::Scene;
@@ -169,9 +168,9 @@ impl LagrangeFound {
     pub fn record(&self) -> Facts {
         Facts::new()
             .text("lagrange", self.lines())
-            .data("torque_difference_nm", self.torque.map(at))
+            .data("torque_difference_nm", self.torque.map(At::facts))
             .data("greatest_torque_nm", self.greatest_torque)
-            .data("force_difference_n", self.force.map(at))
+            .data("force_difference_n", self.force.map(At::facts))
             .data("greatest_force_n", self.force.map(|_| self.greatest_force))
     }
 }
