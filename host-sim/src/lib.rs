@@ -67,6 +67,7 @@ pub mod serve;
 pub mod stream;
 mod supply;
 pub mod terminal;
+pub mod tick_record;
 #[cfg(feature = "full")]
 pub mod ui;
 #[cfg(feature = "full")]

@@ -2,7 +2,7 @@
 //! records of the ticks, and their files.
 
 use crate::failure::CliError;
-use crate::figures::JobMarks;
+use crate::figures::DrawnJob;
 use crate::numbers;
 use crate::recording::LagrangeColumns;
 use crate::recording::{DriveRecorder, Recorded, RecordedDrives, Recorder};
@@ -56,7 +56,7 @@ pub(crate) struct JobFiles {
     pub(crate) records: u64,
     /// The first of so many records has a row in the table.
     pub(crate) every: u32,
-    pub(crate) marks: JobMarks,
+    pub(crate) drawn: DrawnJob,
     pub(crate) lagrange: Option<LagrangeColumns>,
     /// Ticks from one sample of the drives to the next, where they are asked.
     pub(crate) drives_every: Option<u16>,
@@ -94,8 +94,7 @@ impl<'a, N: Transmit> JobRecorder<'a, N> {
             Some(every) => DriveRecorder::create(&mut results, scene, units, every)?,
             None => None,
         };
-        let (marks, lagrange) = (files.marks, files.lagrange);
-        let recorder = Recorder::create(results, files.records, scene.torque, marks, lagrange)?;
+        let recorder = Recorder::create(results, files.records, files.drawn, files.lagrange)?;
         Ok(Self {
             samples: Samples::new(&*played.pipeline, units),
             recorder: recorder.thinned(files.every),

@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 
 pub mod canvas;
+pub mod chart;
 pub mod decimate;
 pub mod document;
 pub mod labels;

@@ -38,7 +38,7 @@ pub struct Panel {
     pub unit: &'static str,
     /// `true` includes zero in the vertical axis, regardless of the values.
     pub from_zero: bool,
-    /// At most as many as there are colours.
+    /// The curves. Those that have no colours of their own take the [`CURVES`] in turn.
     pub curves: Vec<Curve>,
     /// Limits of the curves. One that is far beyond them stands in the legend alone.
     pub limits: Vec<LimitLine>,
@@ -162,8 +162,8 @@ pub fn axis_title(quantity: &str, unit: &str) -> String {
 
 /// Curves with their colours.
 fn coloured(panel: &Panel) -> impl Iterator<Item = (RGBColor, &Curve)> {
-    let curves = panel.curves.iter().zip(CURVES);
-    curves.map(|(curve, colour)| (curve.colour.unwrap_or(colour), curve))
+    let curves = panel.curves.iter().zip(CURVES.iter().cycle());
+    curves.map(|(curve, colour)| (curve.colour.unwrap_or(*colour), curve))
 }
 
 struct PanelFrame<'a> {

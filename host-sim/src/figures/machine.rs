@@ -1,10 +1,11 @@
 //! The machine drawn to scale at several instants, with the path of the tool.
 
+use crate::tick_record::AnyTick;
 use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT_OF, Size, page};
 use trirrr_figures::plane::View;
 use trirrr_figures::scale::seconds;
 use trirrr_figures::style::{CURVES, FRAME, GROUND, INK, LIMIT, PATH, RGBColor, WHITE, faded};
-use trirrr_scene::record::{LegRecord, Record};
+use trirrr_scene::record::LegRecord;
 
 const LEFT: f64 = 84.0;
 const TOP: f64 = 56.0;
@@ -24,11 +25,11 @@ pub(super) struct DrawnInstant {
     pub(super) legs: Vec<LegRecord>,
 }
 
-impl From<&Record> for DrawnInstant {
-    fn from(record: &Record) -> Self {
+impl From<&AnyTick> for DrawnInstant {
+    fn from(record: &AnyTick) -> Self {
         Self {
-            t: record.t,
-            legs: record.legs.to_vec(),
+            t: record.t(),
+            legs: record.each_leg().copied().collect(),
         }
     }
 }
@@ -294,7 +295,7 @@ pub(crate) fn draw_pose(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trirrr_scene::record::LegRecord;
+    use trirrr_scene::record::Record;
 
     fn record(t: f64, size: f64) -> Record {
         let leg = |x: f64, y: f64| LegRecord {
@@ -310,11 +311,15 @@ mod tests {
         }
     }
 
+    fn instant(record: &Record) -> DrawnInstant {
+        (record as &AnyTick).into()
+    }
+
     #[test]
     fn a_metre_is_as_long_across_as_up() {
         for size in [1e-6, 1.0, 1e6] {
             let scenery = Scenery {
-                instants: [0.0, 1.0].map(|t| (&record(t, size)).into()).into(),
+                instants: [0.0, 1.0].map(|t| instant(&record(t, size))).into(),
                 guides: vec![],
                 path: vec![(0.0, 0.0), (0.01 * size, 0.02 * size)],
                 broken: vec![],
@@ -337,7 +342,7 @@ mod tests {
             let scenery = Scenery {
                 instants: [record(0.0, 1.0), record(1.0, 1.5), record(2.0, end)]
                     .iter()
-                    .map(DrawnInstant::from)
+                    .map(instant)
                     .collect(),
                 guides: vec![],
                 path: vec![],
@@ -350,7 +355,7 @@ mod tests {
 
     #[test]
     fn nothing_and_a_point_are_drawn_too() {
-        for instants in [vec![], vec![(&Record::default()).into()]] {
+        for instants in [vec![], vec![instant(&Record::default())]] {
             let scenery = Scenery {
                 instants,
                 guides: vec![],

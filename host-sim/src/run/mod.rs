@@ -12,19 +12,23 @@ mod simulate;
 mod tolerances;
 
 pub use args::RunArgs;
+pub(crate) use plant::PlantTable;
 pub use plant::Simulated;
 pub use report::{JobEnd, RunReport, RunResult};
 
 use crate::failure::CliError;
+use crate::figures::DrawnJob;
 use crate::job_file::{self, LongMoves, QueuedJob};
 use crate::player::{PlayedScene, STOPPED};
 use crate::recording::Recorder;
 use crate::redundant;
 use crate::results::ResultFolder;
 use crate::terminal::show;
+use document::RunScene;
 use simulate::simulate_in;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
+use trirrr_figures::document::Facts;
 use trirrr_scene::{NumberType, Scene, in_number_type};
 
 /// Ticks that may wait for the recorder before the machine has to. Each is about 1 KB.
@@ -86,7 +90,8 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
 /// Refuses folders that cannot take the results, before the first job is played.
 fn refuse_folders(jobs: &[QueuedJob]) -> Result<(), CliError> {
     for QueuedJob { job, folder, .. } in jobs {
-        ResultFolder::for_command(folder, "run")?.claim(Recorder::names(job.scene.torque))?;
+        ResultFolder::for_command(folder, "run")?
+            .claim(Recorder::names(&DrawnJob::of(&job.scene)))?;
     }
     Ok(())
 }
@@ -118,7 +123,19 @@ fn run_job(
     let (mut report, mut results) = simulate_into(scene, scalar, !args.fast, rows, results, stop)?;
     report.job.files.extend(results.pictures()?);
     results.end(report.reason().as_deref())?;
-    let mut document = document::document(file, scene, &report);
+    let number = Facts::new().pair("number", "numbers", scalar.name());
+    let played = RunScene {
+        name: &scene.name,
+        description: &scene.description,
+        file,
+        moves: scene.job.count(),
+        ticks: scene.ticks(),
+        rate_hz: scene.tick_rate_hz,
+        torque: scene.torque,
+        head: number.words(scalar.to_string()),
+        hold: scene.longest_stop().map(|longest| longest.to_string()),
+    };
+    let mut document = document::document(played, &report);
     let mut files = report.all_files();
     let mut end = report.end();
     if let Some(analysis) = analysis.filter(|_| report.played.end == JobEnd::Complete) {

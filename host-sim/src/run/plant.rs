@@ -1,9 +1,11 @@
 //! The part of a run that simulates the scene's plant.
 
 use crate::failure::CliError;
-use crate::figures::{JobMarks, MotorCurves, PlantTraces};
+use crate::figures::{DrawnJob, MotorCurves, PlantRow, PlantTraces};
 use crate::player::STOPPED;
+use crate::recording::table_line;
 use crate::results::{ResultFolder, unwritable};
+use std::fmt::Display;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
@@ -18,28 +20,17 @@ use trirrr_protocol::message::{Telemetry, Transmit};
 use trirrr_scene::Scene;
 use trirrr_service::{Output, Power, Readings};
 
-/// Outcome of a plant, and the files written.
+/// Result of a plant: its outcome, and the files written.
 #[derive(Clone, Debug)]
-pub struct Simulated {
+pub struct Simulated<O = Outcome> {
     /// The run.
-    pub outcome: Outcome,
+    pub outcome: O,
+    /// The user ended the simulation.
+    pub is_stopped: bool,
+    /// Reason why the plant did not come to the end of the job.
+    pub reason: Option<String>,
     /// The files.
     pub files: Vec<PathBuf>,
-}
-
-impl Simulated {
-    /// Returns `true` if the user ended the simulation.
-    pub(super) fn is_stopped(&self) -> bool {
-        matches!(self.outcome.end, PlantEnd::Interrupted { .. })
-    }
-
-    /// Reason why the plant did not come to the end of the job.
-    pub(super) fn reason(&self) -> Option<String> {
-        match self.is_stopped() {
-            true => Some(STOPPED.into()),
-            false => self.outcome.end.reason(),
-        }
-    }
 }
 
 /// Rows that wait for the disk: enough for runs of ordinary length, whose speed is measured.
@@ -49,7 +40,7 @@ const WAITING: usize = 1 << 16;
 pub(super) struct PlantRecorder<'l, N: Number> {
     run: PlantRun<'l, N>,
     rows: Vec<Row>,
-    table: PlantTable,
+    table: PlantTable<Row>,
 }
 
 impl<'l, N: Countable> PlantRecorder<'l, N> {
@@ -65,10 +56,14 @@ impl<'l, N: Countable> PlantRecorder<'l, N> {
     ) -> Result<Self, CliError> {
         let run = PlantRun::build(scene, line)
             .map_err(|refusal| CliError::Refused(format!("scene {}: {refusal}", scene.name)))?;
+        let times = scene.plant.as_ref();
+        let [record_s, settle_s] = times.map_or([1e-3, 0.0], |it| [it.record_s, it.settle_s]);
+        let run_s = f64::from(scene.ticks()) / scene.tick_rate_hz + settle_s;
+        let traces = PlantTraces::new((run_s / record_s) as u64 + 1, DrawnJob::of(scene));
         Ok(Self {
             run,
             rows: Vec::new(),
-            table: PlantTable::create(scene, results)?,
+            table: PlantTable::create(results, &COLUMNS, traces)?,
         })
     }
 }
@@ -110,13 +105,19 @@ impl<N: Transmit> PlantRecorder<'_, N> {
         mut self,
         results: &mut ResultFolder,
         name: &str,
-        asked: MotorCurves,
+        asked: &MotorCurves,
         stop: &AtomicBool,
     ) -> Result<Simulated, CliError> {
         let (rows, table) = (&mut self.rows, &mut self.table);
         let outcome = self.run.finish(stop, &mut |row| keep(row, rows, table));
-        self.table.write(&mut self.rows);
+        write_rows(&mut self.rows, &mut self.table);
+        let is_stopped = matches!(outcome.end, PlantEnd::Interrupted { .. });
         Ok(Simulated {
+            is_stopped,
+            reason: match is_stopped {
+                true => Some(STOPPED.into()),
+                false => outcome.end.reason(),
+            },
             outcome,
             files: self.table.finish(results, name, asked)?,
         })
@@ -124,54 +125,67 @@ impl<N: Transmit> PlantRecorder<'_, N> {
 }
 
 /// Keeps a row, and writes those that wait once there are many.
-fn keep(row: &Row, rows: &mut Vec<Row>, table: &mut PlantTable) {
+fn keep(row: &Row, rows: &mut Vec<Row>, table: &mut PlantTable<Row>) {
     rows.push(*row);
     if rows.len() == WAITING {
-        table.write(rows);
+        write_rows(rows, table);
     }
 }
 
-/// `plant.csv` and the curves of its figures.
-struct PlantTable {
-    path: PathBuf,
-    file: BufWriter<File>,
-    /// The first error; nothing is written after it.
-    written: io::Result<()>,
-    traces: PlantTraces,
+fn write_rows(rows: &mut Vec<Row>, table: &mut PlantTable<Row>) {
+    rows.drain(..).for_each(|row| table.push(&row));
 }
 
-impl PlantTable {
-    fn create(scene: &Scene, results: &mut ResultFolder) -> Result<Self, CliError> {
+/// `plant.csv` and its figures, of a machine of any kind.
+pub(crate) struct PlantTable<R> {
+    path: PathBuf,
+    file: BufWriter<File>,
+    line: String,
+    /// The first error; nothing is written after it.
+    written: io::Result<()>,
+    traces: PlantTraces<R>,
+}
+
+impl<R: PlantRow> PlantTable<R> {
+    /// Makes the table with the figures of `traces` in the folder of `results`.
+    ///
+    /// # Errors
+    /// Failed: the table cannot be written.
+    pub(crate) fn create(
+        results: &mut ResultFolder,
+        columns: &[impl Display],
+        traces: PlantTraces<R>,
+    ) -> Result<Self, CliError> {
         let (path, file) = results.table("plant.csv")?;
-        let mut file = BufWriter::new(file);
-        let written = writeln!(file, "{}", COLUMNS.join(","));
-        let record_s = scene.plant.as_ref().map_or(1e-3, |plant| plant.record_s);
-        let settle_s = scene.plant.as_ref().map_or(0.0, |plant| plant.settle_s);
-        let run_s = f64::from(scene.ticks()) / scene.tick_rate_hz + settle_s;
-        let traces = PlantTraces::new((run_s / record_s) as u64 + 1, JobMarks::of(scene));
         results.claim(traces.names())?;
+        let mut file = BufWriter::new(file);
+        let columns: Vec<String> = columns.iter().map(ToString::to_string).collect();
         Ok(Self {
             path,
+            written: writeln!(file, "{}", columns.join(",")),
             file,
-            written,
+            line: String::new(),
             traces,
         })
     }
 
-    fn write(&mut self, rows: &mut Vec<Row>) {
-        for row in rows.drain(..) {
-            if self.written.is_ok() {
-                self.written = write_row(&mut self.file, &row);
-            }
-            self.traces.push(&row);
+    pub(crate) fn push(&mut self, row: &R) {
+        table_line(&mut self.line, row.values().into_iter());
+        if self.written.is_ok() {
+            self.written = self.file.write_all(self.line.as_bytes());
         }
+        self.traces.push(row);
     }
 
-    fn finish(
+    /// Ends the table and draws the figures, beside the curves that are `asked` of the motors. Returns the files.
+    ///
+    /// # Errors
+    /// Failed: something cannot be written.
+    pub(crate) fn finish(
         mut self,
         results: &mut ResultFolder,
         name: &str,
-        asked: MotorCurves,
+        asked: &MotorCurves,
     ) -> Result<Vec<PathBuf>, CliError> {
         self.written
             .and_then(|()| self.file.flush())
@@ -179,13 +193,4 @@ impl PlantTable {
         let figures = self.traces.write_all(results, name, asked)?;
         Ok(std::iter::once(self.path).chain(figures).collect())
     }
-}
-
-/// Shortest digits that read back as the same number, as in `ticks.csv`.
-fn write_row(table: &mut impl Write, row: &Row) -> io::Result<()> {
-    for (column, value) in row.values().iter().enumerate() {
-        let comma = if column > 0 { "," } else { "" };
-        write!(table, "{comma}{value:?}")?;
-    }
-    writeln!(table)
 }

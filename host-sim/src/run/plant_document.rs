@@ -52,7 +52,7 @@ pub(super) fn add_to(document: &mut Document, simulated: &Simulated) {
                 "{simulated_words} simulated in {took}: {ratio} times faster than real time"
             ))
             .data("elapsed_s", took_s)
-            .pair("reason", label, simulated.reason())
+            .pair("reason", label, &simulated.reason)
             .words(end)
             .pair("method", "  method", method.name())
             .words(format!("{}, {how}", method.name()))

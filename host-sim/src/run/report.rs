@@ -8,6 +8,7 @@ use crate::realtime::Deadlines;
 use crate::recording::{Recorded, RecordedDrives};
 use std::path::PathBuf;
 use std::time::Duration;
+use trirrr_plant::Outcome;
 use trirrr_scene::NumberType;
 
 /// End of a run.
@@ -47,9 +48,9 @@ pub struct RunResult {
     pub deadlines: Option<Deadlines>,
 }
 
-/// Result of a run.
+/// Result of a run. `O` is the outcome of the plant.
 #[derive(Clone, Debug)]
-pub struct RunReport {
+pub struct RunReport<O = Outcome> {
     /// End and times of the job.
     pub played: RunResult,
     /// Number of setpoints of the whole job.
@@ -61,18 +62,18 @@ pub struct RunReport {
     /// Records of the drives, if they were simulated and tell something.
     pub drives: Option<RecordedDrives>,
     /// Result of the plant, if the scene has one.
-    pub plant: Option<Simulated>,
+    pub plant: Option<Simulated<O>>,
 }
 
-impl RunReport {
+impl<O> RunReport<O> {
     /// Reason why the results are not complete.
-    pub(super) fn reason(&self) -> Option<String> {
-        let of_plant = || self.plant.as_ref()?.reason();
+    pub(crate) fn reason(&self) -> Option<String> {
+        let of_plant = || self.plant.as_ref()?.reason.clone();
         self.played.end.reason().or_else(of_plant)
     }
 
     /// Files of the job, of the drives and of the plant.
-    pub(super) fn all_files(&self) -> Vec<PathBuf> {
+    pub(crate) fn all_files(&self) -> Vec<PathBuf> {
         let of_drives = self.drives.iter().flat_map(|drives| &drives.files);
         let of_plant = self.plant.iter().flat_map(|plant| &plant.files);
         let own = self.job.files.iter().chain(of_drives);
@@ -83,14 +84,14 @@ impl RunReport {
     ///
     /// # Errors
     /// Failed: the plant has not come to the end of the job.
-    pub(super) fn end(&self) -> Result<JobEnd, CliError> {
+    pub(crate) fn end(&self) -> Result<JobEnd, CliError> {
         let end = self.played.end.clone();
         match self.plant.as_ref().filter(|_| end == JobEnd::Complete) {
-            Some(plant) if plant.is_stopped() => Ok(JobEnd::Stopped),
-            Some(plant) => plant
-                .reason()
-                .map_or(Ok(end), |why| Err(CliError::Failed(why))),
-            None => Ok(end),
+            Some(plant) if plant.is_stopped => Ok(JobEnd::Stopped),
+            Some(Simulated {
+                reason: Some(why), ..
+            }) => Err(CliError::Failed(why.clone())),
+            _ => Ok(end),
         }
     }
 }

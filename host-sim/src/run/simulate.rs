@@ -6,7 +6,7 @@ use super::progress::ProgressDisplay;
 use super::report::{JobEnd, RunReport, RunResult};
 use super::{TickRows, WAITING};
 use crate::failure::CliError;
-use crate::figures::JobMarks;
+use crate::figures::DrawnJob;
 use crate::player::{JobFiles, JobRecorder, PlayedScene, RecordedJob};
 use crate::recording::LagrangeColumns;
 use crate::results::ResultFolder;
@@ -59,7 +59,7 @@ pub(super) fn simulate_in<N: HostNumber + Countable>(
     let files = JobFiles {
         records: setpoints,
         every: rows.every,
-        marks: JobMarks::of(scene),
+        drawn: DrawnJob::of(scene),
         lagrange: rows.lagrange.then(|| LagrangeColumns::of_scene(scene)),
         drives_every: is_closed.then_some(1),
     };
@@ -92,7 +92,7 @@ pub(super) fn simulate_in<N: HostNumber + Countable>(
     } = recorded;
     let plant = plant.or(open).filter(|_| results.has_begun());
     let motors = std::mem::take(&mut files.motors);
-    let plant = plant.map(|plant| plant.finish(&mut results, &scene.name, motors, stop));
+    let plant = plant.map(|plant| plant.finish(&mut results, &scene.name, &motors, stop));
     let report = RunReport {
         played: job,
         setpoints,

@@ -9,7 +9,7 @@ use super::work::StreamWork;
 use super::{conversation, patience};
 use crate::dialogue::carry;
 use crate::failure::CliError;
-use crate::figures::JobMarks;
+use crate::figures::DrawnJob;
 use crate::player::{JobFiles, JobRecorder, PlayedScene, STOPPED};
 use crate::results::ResultFolder;
 use std::cell::Cell;
@@ -118,7 +118,7 @@ impl<N: ServiceNumber> Stream<'_, N> {
             records: ticks / u64::from(every) + 1,
             every: 1,
             // A hold shifts the moves.
-            marks: JobMarks::of(scene).without_moves(),
+            drawn: DrawnJob::of(scene).without_moves(),
             lagrange: None,
             drives_every: Some(every),
         };
