@@ -6,7 +6,6 @@ mod field;
 mod figures;
 mod motor_figures;
 mod optimise;
-mod scatter;
 mod study;
 
 pub use args::{DesignArgs, StudyArgs};

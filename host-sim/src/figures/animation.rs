@@ -21,7 +21,7 @@ pub(crate) struct Animation {
     legs: Option<Value>,
 }
 
-/// Time; x, y, alpha; angles of the motors; places of the base joints, which a slider moves; torques.
+/// Time; x, y, alpha; angles of the motors; torques; places of the base joints, where sliders move them.
 type AnimationFrame = Vec<f64>;
 
 impl Animation {
@@ -47,9 +47,11 @@ impl Animation {
         let mut frame = vec![record.t()];
         frame.extend(pose);
         frame.extend(record.each_leg().map(|leg| leg.th1));
-        frame.extend(record.each_leg().flat_map(|leg| leg.base));
         if self.torque {
             frame.extend(record.each_leg().map(|leg| leg.torque));
+        }
+        if has_sliders(record) {
+            frame.extend(record.each_leg().flat_map(|leg| leg.base));
         }
         self.last = match is_kept {
             true => {
@@ -88,7 +90,12 @@ impl Animation {
     }
 }
 
-/// Lengths of the proximal links, and platform joints in the platform's frame, m.
+fn has_sliders(record: &AnyTick) -> bool {
+    let redundant = record.redundant();
+    redundant.is_some_and(|record| record.legs.iter().any(|leg| leg.slider.is_some()))
+}
+
+/// Base joints that stand, lengths of the proximal links, and platform joints in the platform's frame, m.
 fn legs(record: &AnyTick) -> Value {
     let [[x, y, alpha], ..] = record.platform();
     let (sin, cos) = alpha.sin_cos();
@@ -97,6 +104,7 @@ fn legs(record: &AnyTick) -> Value {
         let (u, v) = (cx - x, cy - y);
         let joint = [cos * u + sin * v, cos * v - sin * u];
         json!({
+            "base": (!has_sliders(record)).then(|| leg.base.map(short)),
             "proximal": short(leg.r1[0].hypot(leg.r1[1])),
             "joint": joint.map(short),
         })

@@ -90,20 +90,29 @@ impl DrawnJob {
 
 /// Lines at a limit of either sign: one pair for all motors where they have the same, otherwise one for each.
 pub(super) fn of_motors(limit: Option<&Vec<f64>>) -> Vec<LimitLine> {
+    limit_lines(limit.map_or(&[], |each| each), true)
+}
+
+/// Lines at the limits of the motors, or at that of all where they have the same; `of_either_sign` at the negative values, too.
+pub(crate) fn limit_lines(limits: &[f64], of_either_sign: bool) -> Vec<LimitLine> {
+    let sign = if of_either_sign { "\u{b1}" } else { "" };
     let line = |label: String, value: f64, colour| LimitLine {
         label,
-        values: vec![value, -value],
+        values: match of_either_sign {
+            true => vec![value, -value],
+            false => vec![value],
+        },
         colour,
     };
-    match limit.map_or(&[][..], |each| each) {
+    match limits {
         [] => Vec::new(),
         [one, others @ ..] if others.iter().all(|each| each == one) => {
-            vec![line(format!("limit \u{b1}{one}"), *one, LIMIT)]
+            vec![line(format!("limit {sign}{one}"), *one, LIMIT)]
         }
         each => (1..)
             .zip(each.iter().zip(CURVES))
             .map(|(motor, (limit, colour)): (u32, _)| {
-                line(format!("limit {motor} \u{b1}{limit}"), *limit, colour)
+                line(format!("limit {motor} {sign}{limit}"), *limit, colour)
             })
             .collect(),
     }

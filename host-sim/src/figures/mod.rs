@@ -30,6 +30,8 @@ pub(crate) use geometry::draw as draw_geometry;
 pub use identification::write_torques;
 pub use job::DrawnJob;
 #[cfg(feature = "full")]
+pub(crate) use job::limit_lines;
+#[cfg(feature = "full")]
 pub(crate) use machine::draw_pose;
 pub(crate) use plan::plan_figure;
 pub use plant::{PlantRow, PlantTraces};
