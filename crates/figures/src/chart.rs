@@ -152,6 +152,14 @@ struct Trace {
 }
 
 impl Trace {
+    fn new(rows: u64) -> Self {
+        Self {
+            points: Decimator::new(rows),
+            last: None,
+            turns: 0.0,
+        }
+    }
+
     fn push(&mut self, key: f64, value: f64, is_angle: bool) {
         if let Some(last) = self.last.filter(|_| is_angle) {
             if value - last > PI {
@@ -167,9 +175,12 @@ impl Trace {
 
 /// Figures while their rows come.
 pub struct Gathering<R: ?Sized> {
+    /// The figures, whose series stand in the list of all.
     figures: Vec<Figure<R>>,
-    /// Those of all series, in order.
-    traces: Vec<Trace>,
+    /// Number of the series of each panel.
+    counts: Vec<usize>,
+    /// One list, which a tick passes in one loop.
+    series: Vec<(Series<R>, Trace)>,
 }
 
 /// Figure that is ready to be drawn.
@@ -182,22 +193,18 @@ pub struct Gathered {
     pub panels: Vec<Panel>,
 }
 
-fn all_series<R: ?Sized>(figures: &[Figure<R>]) -> impl Iterator<Item = &Series<R>> {
-    let charts = figures.iter().flat_map(|figure| &figure.charts);
-    charts.flat_map(|chart| &chart.series)
-}
-
 impl<R: ?Sized> Gathering<R> {
     /// Gathers `figures` from about `rows` rows.
-    pub fn new(rows: u64, figures: Vec<Figure<R>>) -> Self {
-        let trace = |_: &Series<R>| Trace {
-            points: Decimator::new(rows),
-            last: None,
-            turns: 0.0,
-        };
+    pub fn new(rows: u64, mut figures: Vec<Figure<R>>) -> Self {
+        let (mut counts, mut series) = (Vec::new(), Vec::new());
+        for chart in figures.iter_mut().flat_map(|figure| &mut figure.charts) {
+            counts.push(chart.series.len());
+            series.extend(chart.series.drain(..).map(|own| (own, Trace::new(rows))));
+        }
         Self {
-            traces: all_series(&figures).map(trace).collect(),
             figures,
+            counts,
+            series,
         }
     }
 
@@ -208,14 +215,14 @@ impl<R: ?Sized> Gathering<R> {
 
     /// Adds the next row, at `key` on the horizontal axis.
     pub fn push(&mut self, key: f64, row: &R) {
-        for (series, trace) in all_series(&self.figures).zip(&mut self.traces) {
-            trace.push(key, series.value(row), series.is_angle);
+        for (series, trace) in &mut self.series {
+            trace.push(key, (series.value)(row), series.is_angle);
         }
     }
 
     /// Ends the curves. `marks` are the ends of numbered stretches of the horizontal axis, such as moves.
     pub fn finish(self, marks: &[f64]) -> Vec<Gathered> {
-        let mut traces = self.traces.into_iter();
+        let (mut series, mut counts) = (self.series.into_iter(), self.counts.into_iter());
         let curve = |(series, trace): (Series<R>, Trace)| {
             let points = trace.points.finish().into_iter();
             Curve {
@@ -229,10 +236,9 @@ impl<R: ?Sized> Gathering<R> {
             quantity: chart.quantity,
             unit: chart.unit,
             from_zero: chart.from_zero,
-            curves: chart
-                .series
-                .into_iter()
-                .zip(&mut traces)
+            curves: series
+                .by_ref()
+                .take(counts.next().unwrap_or_default())
                 .map(curve)
                 .collect(),
             limits: chart.limits,

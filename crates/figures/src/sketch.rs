@@ -1,14 +1,14 @@
 //! Drawings in a plane as data: marks at places of the plane, and a legend below. Title, window, axes and legend have one placement.
 
-use crate::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
+use crate::canvas::{CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT_OF, Size, page};
 use crate::plane::View;
-use crate::style::{INK, RGBColor};
+use crate::style::{GROUND, INK, RGBColor};
 
 /// Place in the plane, m.
 pub type Place = [f64; 2];
 
 /// One mark of a drawing.
-pub enum Mark {
+pub enum SketchMark {
     /// Line through the places, with its width in logical pixels.
     Line(Vec<Place>, RGBColor, f64),
     /// The same in dashes that go on round corners.
@@ -21,8 +21,12 @@ pub enum Mark {
     Joint(Place, f64, RGBColor),
     /// Cross at a place that is wrong.
     Cross(Place, RGBColor),
-    /// Name beside a place, right of it and above.
-    Name(Place, String),
+    /// Filled polygon.
+    Polygon(Vec<Place>, RGBColor),
+    /// Foot of a joint that stands on the base.
+    Foot(Place),
+    /// Name beside a place, so many logical pixels to the right, or left, and down.
+    Name(Place, (f64, f64), String),
     /// Cells of a grid.
     Cells(Cells),
 }
@@ -45,6 +49,8 @@ pub enum Swatch {
     None,
     /// Line of a width and, where that tells a size, a length in logical pixels.
     Line(RGBColor, f64, f64),
+    /// Lines of a width, one above the other.
+    Lines(Vec<RGBColor>, f64),
     /// Line in dashes.
     Dashes(RGBColor, f64),
     /// Dashed line.
@@ -69,9 +75,9 @@ pub struct Sketch {
     /// Places that the window shows.
     pub shown: Vec<Place>,
     /// Marks below the grid.
-    pub under: Vec<Mark>,
+    pub under: Vec<SketchMark>,
     /// Marks on the grid.
-    pub over: Vec<Mark>,
+    pub over: Vec<SketchMark>,
     /// Rows of the legend; entries of a row stand side by side.
     pub legend: Vec<Vec<(Swatch, String)>>,
 }
@@ -81,8 +87,9 @@ const TOP: f64 = 56.0;
 /// From the window to the first row of the legend, and from row to row.
 const BELOW_IT: f64 = 66.0;
 const ROW: f64 = 20.0;
-/// From one entry of a row to the next.
+/// From one entry of a row to the next, at least, and between them.
 const COLUMN: f64 = 150.0;
+const GAP: f64 = 20.0;
 /// Right margin.
 const MARGIN: f64 = 40.0;
 
@@ -93,8 +100,8 @@ impl Sketch {
     /// Failures of plotters.
     pub fn draw(&self) -> Drawn {
         let view = View::around(&self.shown, "m", (LEFT, TOP), self.side);
-        let legend = self.legend.iter().map(|row| row_width(row));
-        let widest = legend.fold(view.width, f64::max);
+        let ends = self.legend.iter().flat_map(|row| across(row));
+        let widest = ends.map(|end| end - GAP).fold(view.width, f64::max);
         let width = (LEFT + widest + MARGIN).max(Size::Title.width(&self.title) + MARGIN);
         let top = TOP + view.height + BELOW_IT;
         page(
@@ -110,10 +117,10 @@ impl Sketch {
                     .iter()
                     .try_for_each(|mark| mark.draw(canvas, &view))?;
                 for (row, entries) in self.legend.iter().enumerate() {
-                    for (column, (swatch, text)) in entries.iter().enumerate() {
-                        let at = (LEFT + COLUMN * column as f64, top + ROW * row as f64);
-                        swatch.draw(canvas, at)?;
-                        let at = (at.0 + swatch.room(), at.1);
+                    let y = top + ROW * row as f64;
+                    for ((swatch, text), x) in entries.iter().zip(across(entries)) {
+                        swatch.draw(canvas, (LEFT + x, y))?;
+                        let at = (LEFT + x + swatch.room(), y);
                         canvas.text(text, at, Size::Tick, RIGHT_OF, INK)?;
                     }
                 }
@@ -123,17 +130,24 @@ impl Sketch {
     }
 }
 
-fn row_width(row: &[(Swatch, String)]) -> f64 {
-    let entries = row.iter().enumerate();
-    let ends = entries.map(|(column, (swatch, text))| {
+/// Places of the entries of a row, from its left end, and its right end.
+fn across(row: &[(Swatch, String)]) -> Vec<f64> {
+    let mut places = vec![0.0];
+    for (swatch, text) in row {
         // Sentences are narrower than the estimate for a few letters; the margin takes the rest.
-        COLUMN * column as f64 + swatch.room() + 0.85 * Size::Tick.width(text)
-    });
-    ends.fold(0.0, f64::max)
+        let width = swatch.room() + 0.85 * Size::Tick.width(text);
+        let from = places.last().copied().unwrap_or_default();
+        places.push(from + f64::max(COLUMN, width + GAP));
+    }
+    places
 }
 
-impl Mark {
-    fn draw(&self, canvas: &Canvas<'_>, view: &View) -> Draw {
+impl SketchMark {
+    /// Draws the mark in a window.
+    ///
+    /// # Errors
+    /// Failures of plotters.
+    pub fn draw(&self, canvas: &Canvas<'_>, view: &View) -> Draw {
         let all = |places: &[Place]| -> Vec<_> { places.iter().map(|at| view.at(*at)).collect() };
         match self {
             Self::Line(places, colour, width) => canvas.line(&all(places), *colour, *width),
@@ -144,9 +158,18 @@ impl Mark {
             Self::Dot(at, radius, colour) => canvas.dot(view.at(*at), *radius, *colour),
             Self::Joint(at, radius, rim) => canvas.joint(view.at(*at), *radius, *rim),
             Self::Cross(at, colour) => canvas.cross(view.at(*at), *colour),
-            Self::Name(at, text) => {
+            Self::Polygon(places, colour) => canvas.polygon(&all(places), *colour),
+            Self::Foot(at) => {
                 let (x, y) = view.at(*at);
-                canvas.text(text, (x + 9.0, y - 9.0), Size::Tick, RIGHT_OF, INK)
+                canvas.polygon(
+                    &[(x, y), (x - 10.0, y + 16.0), (x + 10.0, y + 16.0)],
+                    GROUND,
+                )
+            }
+            Self::Name(at, (across, down), text) => {
+                let (x, y) = view.at(*at);
+                let anchor = if *across < 0.0 { LEFT_OF } else { RIGHT_OF };
+                canvas.text(text, (x + across, y + down), Size::Tick, anchor, INK)
             }
             Self::Cells(cells) => view.cells(canvas, cells),
         }
@@ -170,6 +193,14 @@ impl Swatch {
             Self::None => Ok(()),
             Self::Line(colour, width, length) => {
                 canvas.line(&[(left, y), (left + length, y)], *colour, *width)
+            }
+            Self::Lines(colours, width) => {
+                let middle = (colours.len() as f64 - 1.0) / 2.0;
+                let mut lines = colours.iter().zip(0..);
+                lines.try_for_each(|(colour, index): (_, u32)| {
+                    let y = y + 5.0 * (f64::from(index) - middle);
+                    canvas.line(&[(left, y), (left + SAMPLE, y)], *colour, *width)
+                })
             }
             Self::Dashes(colour, width) => canvas.dashes(&ends, *colour, *width),
             Self::Way(colour) => canvas.dashed(ends[0], ends[1], *colour),
@@ -201,16 +232,16 @@ mod tests {
             axes: ["x", "y"],
             side: 300.0,
             shown: line.clone(),
-            under: vec![Mark::Cells(Cells {
+            under: vec![SketchMark::Cells(Cells {
                 first: [0.25, 0.25],
                 side: 0.5,
                 size: [2, 1],
                 colours: vec![Some(AREA), None],
             })],
             over: vec![
-                Mark::Line(line, PATH, 2.0),
-                Mark::Cross([1.0, 0.5], LIMIT),
-                Mark::Name([0.0, 0.0], "A1".into()),
+                SketchMark::Line(line, PATH, 2.0),
+                SketchMark::Cross([1.0, 0.5], LIMIT),
+                SketchMark::Name([0.0, 0.0], (9.0, -9.0), "A1".into()),
             ],
             legend: vec![vec![
                 (Swatch::Line(PATH, 2.0, SAMPLE), "the path".into()),

@@ -44,7 +44,10 @@ impl Animation {
         let stretch = |tick: u64| u128::from(tick) * u128::from(FRAMES) / u128::from(self.ticks);
         let is_kept = self.seen == 0 || stretch(self.seen) != stretch(self.seen - 1);
         let [pose, ..] = record.platform();
-        let mut frame = vec![record.t()];
+        // In the memory of the one before, if it is not kept.
+        let mut frame = self.last.take().unwrap_or_default();
+        frame.clear();
+        frame.push(record.t());
         frame.extend(pose);
         frame.extend(record.each_leg().map(|leg| leg.th1));
         if self.torque {
@@ -53,13 +56,10 @@ impl Animation {
         if has_sliders(record) {
             frame.extend(record.each_leg().flat_map(|leg| leg.base));
         }
-        self.last = match is_kept {
-            true => {
-                self.frames.push(frame);
-                None
-            }
-            false => Some(frame),
-        };
+        match is_kept {
+            true => self.frames.push(frame),
+            false => self.last = Some(frame),
+        }
         self.seen += 1;
     }
 

@@ -8,7 +8,7 @@ use trirrr_figures::canvas::Drawn;
 use trirrr_figures::panel::{Curve, Panel, draw_over};
 use trirrr_figures::plane::View;
 use trirrr_figures::scale::{Axis, Margin};
-use trirrr_figures::sketch::{Mark, Sketch, Swatch};
+use trirrr_figures::sketch::{Sketch, SketchMark, Swatch};
 use trirrr_figures::style::{BLUE, INK, VERMILLION};
 
 const SIDE: f64 = 560.0;
@@ -105,9 +105,11 @@ impl CalibrationFigures<'_> {
             let ends = [0, 1].map(|set| vectors[set].map(|part| scales[set] * part));
             let lines = [0, 1].map(|set| {
                 let [dx, dy] = ends[set];
-                Mark::Line(vec![[*x, *y], [x + dx, y + dy]], colours[set], 1.8)
+                SketchMark::Line(vec![[*x, *y], [x + dx, y + dy]], colours[set], 1.8)
             });
-            lines.into_iter().chain([Mark::Dot([*x, *y], 2.2, INK)])
+            lines
+                .into_iter()
+                .chain([SketchMark::Dot([*x, *y], 2.2, INK)])
         };
         let entry = |set: usize, word: &str| {
             let text = format!("{word}, longest {:.1} um", 1e6 * longest[set]);

@@ -32,7 +32,7 @@ pub use job::DrawnJob;
 #[cfg(feature = "full")]
 pub(crate) use job::limit_lines;
 #[cfg(feature = "full")]
-pub(crate) use machine::draw_pose;
+pub(crate) use machine::pose_marks;
 pub(crate) use plan::plan_figure;
 pub use plant::{PlantRow, PlantTraces};
 pub use preview::Preview;

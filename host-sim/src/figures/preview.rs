@@ -2,7 +2,7 @@
 
 use trirrr_figures::canvas::Drawn;
 use trirrr_figures::plane::View;
-use trirrr_figures::sketch::{Cells, Mark, SAMPLE, Sketch, Swatch};
+use trirrr_figures::sketch::{Cells, SAMPLE, Sketch, SketchMark, Swatch};
 use trirrr_figures::style::{AREA, FRAME, INK, LIMIT, PATH, RGBColor, faded};
 use trirrr_plan::piece::Piece;
 use trirrr_scene::{JobPath, ReachMap};
@@ -40,8 +40,8 @@ impl Preview<'_> {
         let corners = self.corners().into_iter();
         let shown: Vec<[f64; 2]> = corners.chain(curves.iter().flatten().copied()).collect();
         let mut over = self.motions(&curves, &shown);
-        over.push(Mark::Dot(self.start_m, 3.6, INK));
-        over.extend(self.breach.map(|at| Mark::Cross(at, LIMIT)));
+        over.push(SketchMark::Dot(self.start_m, 3.6, INK));
+        over.extend(self.breach.map(|at| SketchMark::Cross(at, LIMIT)));
         let sketch = Sketch {
             title: format!("{}: the path, and the reach of the machine", self.name),
             axes: ["x of D", "y of D"],
@@ -55,7 +55,7 @@ impl Preview<'_> {
     }
 
     /// The ways, and on top of them what is worked, in the shade of its power.
-    fn motions(&self, curves: &[Vec<[f64; 2]>], shown: &[[f64; 2]]) -> Vec<Mark> {
+    fn motions(&self, curves: &[Vec<[f64; 2]>], shown: &[[f64; 2]]) -> Vec<SketchMark> {
         let power = |source: usize| {
             let tool = self.path.tools.get(source).copied().flatten();
             tool.map_or(0.0, |tool| tool.power)
@@ -64,7 +64,7 @@ impl Preview<'_> {
         let powers = pieces.map(|(each, curve)| (power(each.source), curve));
         let ways = powers.clone().filter(|(power, _)| *power == 0.0);
         let mut marks: Vec<_> = ways
-            .map(|(_, curve)| Mark::Ways(curve.clone(), FRAME))
+            .map(|(_, curve)| SketchMark::Ways(curve.clone(), FRAME))
             .collect();
         // Rows of an image lie closer to each other than a line is wide.
         let width = if curves.len() > MANY { 0.5 } else { 1.6 };
@@ -92,14 +92,14 @@ impl Preview<'_> {
         places.collect()
     }
 
-    fn reach(&self) -> Mark {
+    fn reach(&self) -> SketchMark {
         let reach = self.reach;
         let [columns, rows] = reach.size();
         let colour = |index: usize| {
             let margin = reach.margin(index % columns, index / columns)?;
             Some(faded(AREA, SHADES[shade(margin)].1))
         };
-        Mark::Cells(Cells {
+        SketchMark::Cells(Cells {
             first: reach.place_m(0, 0),
             side: reach.step_m(),
             size: [columns, rows],
@@ -151,13 +151,13 @@ impl Stroke {
     }
 
     /// Mark of the stroke, which is forgotten.
-    fn mark(&mut self, width: f64) -> Option<Mark> {
+    fn mark(&mut self, width: f64) -> Option<SketchMark> {
         let Self {
             points,
             length,
             work,
         } = std::mem::take(self);
-        (length > 0.0).then(|| Mark::Line(points, tone(work / length), width))
+        (length > 0.0).then(|| SketchMark::Line(points, tone(work / length), width))
     }
 }
 

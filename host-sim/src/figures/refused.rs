@@ -124,12 +124,12 @@ impl<'a> RefusedJob<'a> {
                 .iter()
                 .any(|(from, to)| (*from..=*to).contains(&record.t))
         };
-        let place = |record: &Record| (record.pose[0], record.pose[1]);
+        let place = |record: &Record| [record.pose[0], record.pose[1]];
         let stretches = self
             .records
             .chunk_by(|one, other| is_broken(one) == is_broken(other));
         let broken = stretches.filter(|stretch| is_broken(&stretch[0]));
-        let mut broken: Vec<Vec<(f64, f64)>> = broken
+        let mut broken: Vec<Vec<[f64; 2]>> = broken
             .map(|stretch| stretch.iter().map(place).collect())
             .collect();
         // Where the machine cannot follow, the last place is where it stops.

@@ -63,12 +63,15 @@ impl Traces {
         let values = [x, y, vx.hypot(vy), torques.fold(0.0, f64::max)];
         self.path.push(t, values);
         self.animation.push(record);
-        let instant = DrawnInstant::from(record);
+        match &mut self.last {
+            // In the memory of the one before.
+            Some(last) => last.set(record),
+            none => *none = Some(record.into()),
+        }
         if is_drawn(self.seen, self.ticks.saturating_sub(1)) {
-            self.instants.push(instant.clone());
+            self.instants.push(record.into());
         }
         self.seen += 1;
-        self.last = Some(instant);
     }
 
     /// Returns the time of the last record, s.
@@ -98,7 +101,7 @@ impl Traces {
         let scenery = Scenery {
             instants: with_end(self.instants, self.last),
             guides: self.job.guides,
-            path: path.iter().map(|(_, [x, y, ..])| (*x, *y)).collect(),
+            path: path.iter().map(|(_, [x, y, ..])| [*x, *y]).collect(),
             broken: Vec::new(),
         };
         let title = format!("{heading}: the machine and its path");

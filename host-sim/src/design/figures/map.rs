@@ -3,7 +3,7 @@
 use crate::design::study::Study;
 use trirrr_design::workspace::CellGrid;
 use trirrr_figures::canvas::Drawn;
-use trirrr_figures::sketch::{Cells, Mark, Sketch, Swatch};
+use trirrr_figures::sketch::{Cells, Sketch, SketchMark, Swatch};
 use trirrr_figures::style::{MOTORS, PATH, RGBColor, WHITE};
 
 /// Places that all maps show.
@@ -26,19 +26,19 @@ fn shown(study: &Study) -> Vec<[f64; 2]> {
 pub(super) fn map(
     study: &Study,
     title: &str,
-    under: Vec<Mark>,
+    under: Vec<SketchMark>,
     legend: Vec<Vec<(Swatch, String)>>,
 ) -> Drawn {
     let legs = study.scene.parameters.legs.iter().zip(MOTORS).zip(1..);
     let bases = legs.flat_map(|((leg, colour), number): (_, u32)| {
         let at = leg.base_m.into();
         [
-            Mark::Joint(at, 5.0, colour),
-            Mark::Name(at, format!("A{number}")),
+            SketchMark::Joint(at, 5.0, colour),
+            SketchMark::Name(at, (9.0, -9.0), format!("A{number}")),
         ]
     });
     let path = [(WHITE, 3.2), (PATH, 1.8)];
-    let path = path.map(|(colour, width)| Mark::Line(study.path.clone(), colour, width));
+    let path = path.map(|(colour, width)| SketchMark::Line(study.path.clone(), colour, width));
     let sketch = Sketch {
         title: format!("{}: {title}", study.scene.name),
         axes: ["x of D", "y of D"],
@@ -52,8 +52,8 @@ pub(super) fn map(
 }
 
 /// Cells of `grid`, with colours by their number.
-pub(super) fn cells(grid: &CellGrid, colour: impl Fn(usize) -> Option<RGBColor>) -> Mark {
-    Mark::Cells(Cells {
+pub(super) fn cells(grid: &CellGrid, colour: impl Fn(usize) -> Option<RGBColor>) -> SketchMark {
+    SketchMark::Cells(Cells {
         first: grid.centre_m(0, 0),
         side: grid.cell_m,
         size: grid.size,

@@ -4,7 +4,7 @@ use super::map::{cells, map};
 use crate::design::study::{Study, Surface};
 use std::f64::consts::TAU;
 use trirrr_figures::canvas::Drawn;
-use trirrr_figures::sketch::{Mark, Swatch};
+use trirrr_figures::sketch::{SketchMark, Swatch};
 use trirrr_figures::style::{AREA, INK, RGBColor, faded};
 
 /// Reached, but near to a singularity or beyond one.
@@ -21,7 +21,7 @@ fn apart() -> RGBColor {
 }
 
 /// Cells of `surface`, with its largest circle and rectangle.
-fn surface(study: &Study, surface: &Surface) -> Vec<Mark> {
+fn surface(study: &Study, surface: &Surface) -> Vec<SketchMark> {
     let reached = cells(&study.reach.grid, |index| {
         (study.reach.cells[index].within > 0.5).then_some(REACHED)
     });
@@ -48,7 +48,7 @@ fn surface(study: &Study, surface: &Surface) -> Vec<Mark> {
         vec![[x, y], [right, y], [right, top], [x, top], [x, y]]
     });
     let lines = disc.into_iter().chain(rectangle);
-    let lines = lines.map(|points| Mark::Line(points, INK, 1.4));
+    let lines = lines.map(|points| SketchMark::Line(points, INK, 1.4));
     [reached, own].into_iter().chain(lines).collect()
 }
 

@@ -2,7 +2,7 @@
 
 use trirrr_figures::canvas::Drawn;
 use trirrr_figures::plane::View;
-use trirrr_figures::sketch::{Mark, SAMPLE, Sketch, Swatch};
+use trirrr_figures::sketch::{SAMPLE, Sketch, SketchMark, Swatch};
 use trirrr_figures::style::{FRAME, INK, PATH};
 
 const SIDE: f64 = 560.0;
@@ -32,15 +32,19 @@ pub(super) fn draw(heading: &str, points: &[PathInstant]) -> Drawn {
         last = if is_drawn { Some(*from) } else { last };
         is_drawn
     });
-    let mut over: Vec<Mark> = errors
-        .map(|pair| Mark::Line(pair.into(), FRAME, 1.0))
+    let mut over: Vec<SketchMark> = errors
+        .map(|pair| SketchMark::Line(pair.into(), FRAME, 1.0))
         .collect();
-    over.push(Mark::Line(
+    over.push(SketchMark::Line(
         points.iter().map(magnified).collect(),
         PATH,
         1.8,
     ));
-    over.push(Mark::Dashes(points.iter().map(wanted).collect(), INK, 1.6));
+    over.push(SketchMark::Dashes(
+        points.iter().map(wanted).collect(),
+        INK,
+        1.6,
+    ));
     let most = points
         .iter()
         .map(|point| size(error(point)))
