@@ -90,6 +90,14 @@ pub(crate) fn factor(text: &str) -> Result<f64, String> {
     }
 }
 
+/// Reads a distance in mm.
+pub(crate) fn distance(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if (0.0..=100.0).contains(&value) => Ok(value),
+        _ => Err("expected a distance from 0 to 100 (mm)".into()),
+    }
+}
+
 /// Largest length, m, speed, m/s, or acceleration that is read.
 pub(crate) const LARGEST: f64 = 1e6;
 

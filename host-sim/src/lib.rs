@@ -46,7 +46,6 @@ pub mod init;
 pub mod install;
 pub mod job_file;
 pub mod key;
-pub mod lagrange;
 #[cfg(feature = "full")]
 pub mod linkage;
 pub mod machine;
@@ -55,6 +54,7 @@ mod numbers;
 mod patched_scene;
 pub mod pictures;
 pub mod plan;
+mod player;
 pub mod program;
 pub mod realtime;
 pub mod recording;
@@ -67,6 +67,7 @@ pub mod serve;
 pub mod stream;
 mod supply;
 pub mod terminal;
+pub mod tick_record;
 #[cfg(feature = "full")]
 pub mod ui;
 #[cfg(feature = "full")]

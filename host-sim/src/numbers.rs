@@ -3,8 +3,10 @@
 use crate::failure::CliError;
 use crate::terminal::say;
 use trirrr_client::describe;
+use trirrr_core::number::Number;
+use trirrr_core::units::Units;
 use trirrr_protocol::message::{Refusal, Transmit};
-use trirrr_scene::NumberType;
+use trirrr_scene::{NumberType, Scene};
 
 /// Does `work` with a board in the number type that the user has `given`, or else in that of the `scene`. A board that computes in another one
 /// says so before anything is asked of it: the work is done in that one then, unless the user has given his.
@@ -25,6 +27,15 @@ pub(crate) fn in_boards_numbers<T>(
         }
         done => done,
     }
+}
+
+/// Units of the machine of `scene` in a number type.
+///
+/// # Errors
+/// Refused: a job or a machine that the number type cannot hold.
+pub(crate) fn units<N: Number>(scene: &Scene) -> Result<Units, CliError> {
+    trirrr_scene::units::<N>(scene)
+        .map_err(|why| CliError::Refused(format!("scene {}: {why}", scene.name)))
 }
 
 /// Returns the failure of a command that a board has refused for this reason, which is `text` in words.

@@ -1,7 +1,7 @@
 //! `trirrr plan`: the least time of a scene's path, with its proof, as text, tables and figures.
 
 use crate::failure::CliError;
-use crate::figures::PlanTraces;
+use crate::figures::{self, plan_figure};
 use crate::job_file::{self, JobFileArgs, LoadedJob, LongMoves};
 use crate::pictures::PictureArgs;
 use crate::results::ResultFolder;
@@ -10,6 +10,7 @@ use clap::Args;
 use std::fmt::Write as _;
 use std::path::Path;
 use std::path::PathBuf;
+use trirrr_figures::chart::gathered;
 use trirrr_figures::document::{Document, Facts};
 use trirrr_plan::course::{Effort, PathPiece, Run};
 use trirrr_protocol::message::LEVEL_PARTS;
@@ -82,7 +83,7 @@ pub fn command(args: &PlanArgs) -> Result<(), CliError> {
     let points = all_points(&scene, &job);
     write(&scene, &job, &points, &mut results)?;
     results.pictures()?;
-    results.end(Ok(()))?;
+    results.end(None)?;
     let mut document = document(&scene, &job, &points);
     // Files of the folder: programs know them by their names.
     if !args.json {
@@ -92,16 +93,16 @@ pub fn command(args: &PlanArgs) -> Result<(), CliError> {
 }
 
 /// Time, place and speed at the start of a cell of the plan, or at the end of a run.
-struct PlanPoint {
-    t: f64,
-    source: usize,
-    p: f64,
-    pose: [f64; 3],
-    speed: f64,
-    speed_max: f64,
-    limit: String,
+pub(crate) struct PlanPoint {
+    pub(crate) t: f64,
+    pub(crate) source: usize,
+    pub(crate) p: f64,
+    pub(crate) pose: [f64; 3],
+    pub(crate) speed: f64,
+    pub(crate) speed_max: f64,
+    pub(crate) limit: String,
     /// Duration of the cell that begins here.
-    lasts: f64,
+    pub(crate) lasts: f64,
 }
 
 /// The points of a run that begins at `start` seconds.
@@ -160,7 +161,6 @@ fn write(
 ) -> Result<(), CliError> {
     // Shortest digits that read back as the same number, as in `ticks.csv`.
     let mut plan = String::from("t,piece,p,x,y,alpha,speed,speed_max,limit\n");
-    let mut traces = PlanTraces::new(points.len() as u64, job.path.free.is_some());
     for point in points {
         let [x, y, alpha] = point.pose;
         let (t, p, speed, speed_max) = (point.t, point.p, point.speed, point.speed_max);
@@ -169,7 +169,6 @@ fn write(
             "{t:?},{},{p:?},{x:?},{y:?},{alpha:?},{speed:?},{speed_max:?},{}",
             point.source, point.limit
         );
-        traces.push(t, [speed, speed_max, alpha]);
     }
     let (steps, levels) = job.listed();
     let moves = moves_table(scene, job);
@@ -180,7 +179,9 @@ fn write(
     for (file, text) in tables {
         results.write(file, text)?;
     }
-    traces.write(results, &scene.name).map(drop)
+    let figure = plan_figure(job.path.free.is_some());
+    let figures = gathered(vec![figure], points.iter().map(|point| (point.t, point)));
+    figures::write(results, &scene.name, &figures).map(drop)
 }
 
 /// The moves as a table that other clients play: the state at the end of each, after a row for the start.

@@ -2,10 +2,9 @@
 
 use crate::failure::CliError;
 use crate::results::{ResultFolder, refresh};
-use crate::terminal::print;
+use crate::terminal::{bar, print};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use indicatif::{ProgressBar, ProgressStyle};
 use std::path::PathBuf;
 use std::time::Duration;
 use trirrr_report::{ReportError, ReportSection, measure};
@@ -57,7 +56,7 @@ pub fn command(args: &ReportArgs) -> Result<(), CliError> {
     for file in &report.files {
         results.write(&file.name, file.content.clone())?;
     }
-    results.end(Ok(()))?;
+    results.end(None)?;
     for file in results.files() {
         print(&format!("{}\n", file.display()))?;
     }
@@ -76,10 +75,7 @@ pub fn command(args: &ReportArgs) -> Result<(), CliError> {
 
 /// Shows the steps of `work` as a bar on standard error, on a terminal only.
 fn with_bar<T>(work: impl FnOnce(&(dyn Fn(usize, usize) + Sync)) -> T) -> T {
-    let bar = ProgressBar::new(0);
-    if let Ok(style) = ProgressStyle::with_template("{elapsed_precise} {wide_bar} {pos} of {len}") {
-        bar.set_style(style);
-    }
+    let bar = bar(0, "{elapsed_precise} {wide_bar} {pos} of {len}");
     bar.enable_steady_tick(Duration::from_millis(200));
     let result = work(&|done, steps| {
         bar.set_length(steps as u64);

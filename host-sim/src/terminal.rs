@@ -1,6 +1,7 @@
 //! Text for the user. Names, descriptions, paths and errors come from files, boards and lines: none of them commands the terminal.
 
 use crate::failure::CliError;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, Write};
 use trirrr_figures::document::Document;
 use trirrr_scene::visible_lines;
@@ -13,6 +14,15 @@ pub(crate) fn message(text: &str) -> String {
 /// Says `text` on standard error. Who does not listen stops nothing.
 pub fn say(text: &str) {
     let _ = writeln!(io::stderr(), "{}", message(text));
+}
+
+/// Bar of `length` steps on standard error, as `template` lays it out. Nothing is seen of it where that is no terminal.
+pub(crate) fn bar(length: u64, template: &str) -> ProgressBar {
+    let bar = ProgressBar::with_draw_target(Some(length), ProgressDrawTarget::stderr());
+    match ProgressStyle::with_template(template) {
+        Ok(style) => bar.with_style(style),
+        Err(_) => bar,
+    }
 }
 
 /// Prints the lines of `text` on standard output.

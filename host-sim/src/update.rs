@@ -3,9 +3,9 @@
 use crate::dialogue::carry;
 use crate::failure::CliError;
 use crate::stream::{PortArgs, conversation, patience};
-use crate::terminal::print;
+use crate::terminal::{bar, print};
 use clap::Args;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use indicatif::ProgressBar;
 use object::Endianness;
 use object::elf::PT_LOAD;
 use object::read::elf::{ElfFile32, ProgramHeader};
@@ -82,7 +82,10 @@ pub(crate) fn bring(
 ) -> Result<(), CliError> {
     let mut port = line.open(Retry::For(PATIENCE))?;
     let mut update = ShownUpdate {
-        bar: bar(client.progress().1),
+        bar: bar(
+            client.progress().1.into(),
+            "{wide_bar} {bytes}/{total_bytes} {msg}",
+        ),
         client,
         words,
         check,
@@ -164,14 +167,6 @@ impl Dialogue<f64> for ShownUpdate<'_> {
     fn reconnected(&mut self) {
         self.client.reconnected();
     }
-}
-
-fn bar(length: u32) -> ProgressBar {
-    let bar = ProgressBar::with_draw_target(Some(length.into()), ProgressDrawTarget::stderr());
-    if let Ok(style) = ProgressStyle::with_template("{wide_bar} {bytes}/{total_bytes} {msg}") {
-        bar.set_style(style);
-    }
-    bar
 }
 
 /// Reads the ELF file of an image.

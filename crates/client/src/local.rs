@@ -8,6 +8,7 @@ use trirrr_core::model::{Model, ModelKind, ModelVisitor};
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_core::tick::Motor;
+use trirrr_core::units::Units;
 use trirrr_plan::window::ServicePlanner;
 use trirrr_protocol::message::{Hello, Message, PROTOCOL, Reply, Request, State};
 use trirrr_protocol::wire::{self, schema};
@@ -114,6 +115,7 @@ pub trait HostNumber: ServiceNumber {
     #[doc(hidden)]
     fn play_machine(
         scene: &Scene,
+        units: Units,
         how: Sensed<'_>,
         play: &mut Play<'_, Self>,
     ) -> Result<(), Unbuildable>;
@@ -127,8 +129,13 @@ macro_rules! host_numbers {
         impl HostNumber for $number {
             // A function that is inlined is compiled where it is called.
             #[inline(never)]
-            fn play_machine(scene: &Scene, how: Sensed<'_>, play: &mut Play<'_, Self>) -> Result<(), Unbuildable> {
-                build(scene, how, play)
+            fn play_machine(
+                scene: &Scene,
+                units: Units,
+                how: Sensed<'_>,
+                play: &mut Play<'_, Self>,
+            ) -> Result<(), Unbuildable> {
+                build(scene, units, how, play)
             }
         }
     )+};
@@ -136,13 +143,31 @@ macro_rules! host_numbers {
 
 host_numbers!(f64, f32, Fixed, Coarse);
 
-/// Parts of a scene by which a machine finds out where it is.
-#[doc(hidden)]
+/// Parts of a scene by which a machine finds out where it is; by default none.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sensed<'a> {
     homing: Option<&'a trirrr_scene::Homing>,
     feedback: Option<&'a trirrr_scene::Feedback>,
     contact: Option<&'a trirrr_scene::Contact>,
+}
+
+impl<'a> Sensed<'a> {
+    /// Parts of a machine whose drives tell where they are: they have to be [heard](LocalService::hear) in every tick.
+    pub fn drives(scene: &'a Scene) -> Self {
+        Self {
+            homing: None,
+            feedback: scene.feedback.as_ref(),
+            contact: scene.contact.as_ref(),
+        }
+    }
+
+    /// All parts of the scene, for a machine that was just switched on.
+    pub fn all(scene: &'a Scene) -> Self {
+        Self {
+            homing: scene.homing.as_ref(),
+            ..Self::drives(scene)
+        }
+    }
 }
 
 /// Builds the machine of `scene` and hands the machine to `play`. The machine stands where the job
@@ -155,24 +180,7 @@ pub fn with_machine<N: HostNumber, T>(
     scene: &Scene,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, Unbuildable> {
-    play_once(scene, Sensed::default(), play)
-}
-
-/// Builds as [`with_machine`], for a machine whose drives tell where they are: they have to be
-/// [heard](LocalService::hear) in every tick.
-///
-/// # Errors
-/// As [`with_machine`].
-pub fn with_machine_measured<N: HostNumber, T>(
-    scene: &Scene,
-    play: impl FnOnce(&mut dyn LocalService<N>) -> T,
-) -> Result<T, Unbuildable> {
-    let how = Sensed {
-        homing: None,
-        feedback: scene.feedback.as_ref(),
-        contact: scene.contact.as_ref(),
-    };
-    play_once(scene, how, play)
+    with_machine_in(scene, units::<N>(scene)?, Sensed::default(), play)
 }
 
 /// Builds as [`with_machine`], for a machine that was just switched on. Where the scene has homing, the
@@ -184,29 +192,38 @@ pub fn with_machine_switched_on<N: HostNumber, T>(
     scene: &Scene,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, Unbuildable> {
-    let how = Sensed {
-        homing: scene.homing.as_ref(),
-        feedback: scene.feedback.as_ref(),
-        contact: scene.contact.as_ref(),
-    };
-    play_once(scene, how, play)
+    with_machine_in(scene, units::<N>(scene)?, Sensed::all(scene), play)
 }
 
-fn play_once<N: HostNumber, T>(
+/// Builds as [`with_machine`], in the `units` of the scene, which the caller knows, for a machine that finds out by `how` where it is.
+///
+/// # Errors
+/// As [`with_machine`].
+pub fn with_machine_in<N: HostNumber, T>(
     scene: &Scene,
+    units: Units,
     how: Sensed<'_>,
     play: impl FnOnce(&mut dyn LocalService<N>) -> T,
 ) -> Result<T, Unbuildable> {
     let mut play = Some(play);
     let mut played = None;
-    N::play_machine(scene, how, &mut |machine| {
+    N::play_machine(scene, units, how, &mut |machine| {
         played = play.take().map(|play| play(machine));
     })?;
     Ok(played.expect("a machine that is built is played once"))
 }
 
+/// Units of the machine of `scene` in a number type.
+fn units<N: ServiceNumber>(scene: &Scene) -> Result<Units, Unbuildable> {
+    trirrr_scene::units::<N>(scene).map_err(|error| Unbuildable {
+        scene: scene.name.clone(),
+        reason: error.to_string(),
+    })
+}
+
 fn build<N: ServiceNumber>(
     scene: &Scene,
+    units: Units,
     how: Sensed<'_>,
     play: &mut Play<'_, N>,
 ) -> Result<(), Unbuildable> {
@@ -219,7 +236,6 @@ fn build<N: ServiceNumber>(
         scene: scene.name.clone(),
         reason,
     };
-    let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
     let parameters = units.parameters(&scene.parameters);
     let start = offer::pose(&units.pose(&scene.job.start));
     let feedback = match feedback {

@@ -122,7 +122,7 @@ impl<'a, N: ServiceNumber> JobRunner<'a, N> {
         }
     }
 
-    /// Sets what the drives tell in the next tick, of a machine that [measures](crate::local::with_machine_measured).
+    /// Sets what the drives tell in the next tick, of a machine that [senses](crate::local::Sensed::drives) its drives.
     pub fn hear(&mut self, readings: Readings<N>) {
         self.service.hear(readings);
     }

@@ -1,8 +1,9 @@
 //! Curves against time, or another quantity: panels stacked over one axis.
 
-use super::canvas::{BELOW, CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT_OF, Size, page};
+use super::canvas::{CENTRED, Canvas, Draw, Drawn, LEFT_OF, RIGHT_OF, Size, page};
+use super::frame::Frame;
 use super::scale::{Axis, Margin};
-use super::style::{CURVES, FRAME, GRID, INK, LIMIT, RGBColor, faded};
+use super::style::{CURVES, FRAME, INK, LIMIT, RGBColor, faded};
 use std::borrow::Cow;
 
 /// One curve of a panel.
@@ -38,7 +39,7 @@ pub struct Panel {
     pub unit: &'static str,
     /// `true` includes zero in the vertical axis, regardless of the values.
     pub from_zero: bool,
-    /// At most as many as there are colours.
+    /// The curves. Those that have no colours of their own take the [`CURVES`] in turn.
     pub curves: Vec<Curve>,
     /// Limits of the curves. One that is far beyond them stands in the legend alone.
     pub limits: Vec<LimitLine>,
@@ -92,21 +93,20 @@ pub fn draw_over(title: &str, quantity: &str, over: &Axis, panels: &[Panel]) -> 
         canvas.text(title, (WIDTH / 2.0, 26.0), Size::Title, CENTRED, INK)?;
         for (row, (panel, axis)) in panels.iter().zip(&axes).enumerate() {
             let top = TOP + row as f64 * (height + GAP);
-            let frame = PanelFrame {
+            let frame = Frame {
                 left,
                 right: WIDTH - right,
                 top,
                 bottom: top + height,
-                over,
-                quantity,
-                axis,
+                x: over,
+                y: axis,
             };
             frame.draw(canvas, panel)?;
             if row == 0 {
                 frame.numbers(canvas, panel)?;
             }
             if row + 1 == panels.len() {
-                frame.labels_below(canvas)?;
+                frame.below(canvas, &axis_title(quantity, &over.unit))?;
             }
         }
         Ok(())
@@ -162,33 +162,16 @@ pub fn axis_title(quantity: &str, unit: &str) -> String {
 
 /// Curves with their colours.
 fn coloured(panel: &Panel) -> impl Iterator<Item = (RGBColor, &Curve)> {
-    let curves = panel.curves.iter().zip(CURVES);
-    curves.map(|(curve, colour)| (curve.colour.unwrap_or(colour), curve))
+    let curves = panel.curves.iter().zip(CURVES.iter().cycle());
+    curves.map(|(curve, colour)| (curve.colour.unwrap_or(*colour), curve))
 }
 
-struct PanelFrame<'a> {
-    left: f64,
-    right: f64,
-    top: f64,
-    bottom: f64,
-    over: &'a Axis,
-    quantity: &'a str,
-    axis: &'a Axis,
-}
-
-impl PanelFrame<'_> {
-    fn x(&self, time: f64) -> f64 {
-        self.left + self.over.fraction(time) * (self.right - self.left)
-    }
-
-    fn y(&self, value: f64) -> f64 {
-        self.bottom - self.axis.fraction(value) * (self.bottom - self.top)
-    }
-
+/// Contents of a panel.
+impl Frame<'_> {
     fn draw(&self, canvas: &Canvas<'_>, panel: &Panel) -> Draw {
         for (from, to) in &panel.breaches {
             // An instant is seen, too.
-            let (from, to) = (self.x(*from) - 1.0, self.x(*to) + 1.0);
+            let (from, to) = (self.across(*from) - 1.0, self.across(*to) + 1.0);
             let corners = [
                 (from, self.top),
                 (to, self.top),
@@ -197,23 +180,13 @@ impl PanelFrame<'_> {
             ];
             canvas.polygon(&corners, faded(LIMIT, 0.16))?;
         }
-        for (time, _) in &self.over.ticks {
-            let x = self.x(*time);
-            canvas.line(&[(x, self.top), (x, self.bottom)], GRID, 1.0)?;
-        }
-        for (value, label) in &self.axis.ticks {
-            let y = self.y(*value);
-            let is_zero = *value == 0.0;
-            let colour = if is_zero { FRAME } else { GRID };
-            canvas.line(&[(self.left, y), (self.right, y)], colour, 1.0)?;
-            canvas.text(label, (self.left - 8.0, y), Size::Tick, LEFT_OF, INK)?;
-        }
+        self.grid(canvas, true)?;
         for (colour, curve) in coloured(panel) {
             let stretches = curve.points.split(|(_, value)| !value.is_finite());
             for stretch in stretches {
                 let points: Vec<_> = stretch
                     .iter()
-                    .map(|&(t, value)| (self.x(t), self.y(value)))
+                    .map(|&(t, value)| (self.across(t), self.up(value)))
                     .collect();
                 match curve.dashed {
                     true => canvas.dashes(&points, colour, 1.5)?,
@@ -222,32 +195,20 @@ impl PanelFrame<'_> {
             }
         }
         for limit in &panel.limits {
-            let shown = self.axis.low..=self.axis.high;
+            let shown = self.y.low..=self.y.high;
             for value in limit.values.iter().filter(|value| shown.contains(value)) {
-                let y = self.y(*value);
+                let y = self.up(*value);
                 canvas.dashed((self.left, y), (self.right, y), limit.colour)?;
             }
         }
         if panel.marks.len() <= MARKS {
             for mark in &panel.marks {
-                let x = self.x(*mark);
+                let x = self.across(*mark);
                 canvas.line(&[(x, self.top), (x, self.bottom)], faded(FRAME, 0.6), 1.0)?;
             }
         }
-        let corners = [
-            (self.left, self.top),
-            (self.right, self.top),
-            (self.right, self.bottom),
-            (self.left, self.bottom),
-            (self.left, self.top),
-        ];
-        canvas.line(&corners, FRAME, 1.0)?;
-        canvas.upright(
-            &axis_title(panel.quantity, &self.axis.unit),
-            (18.0, (self.top + self.bottom) / 2.0),
-            Size::Label,
-            INK,
-        )?;
+        let title = axis_title(panel.quantity, &self.y.unit);
+        self.outline(canvas, &title, 18.0)?;
         self.legend(canvas, panel)
     }
 
@@ -260,7 +221,7 @@ impl PanelFrame<'_> {
         canvas.text("move", (self.left - 8.0, y), Size::Tick, LEFT_OF, FRAME)?;
         let mut from = self.left;
         for (index, mark) in panel.marks.iter().enumerate() {
-            let (to, text) = (self.x(*mark), (index + 1).to_string());
+            let (to, text) = (self.across(*mark), (index + 1).to_string());
             if to - from > Size::Tick.width(&text) + 3.0 {
                 canvas.text(&text, ((from + to) / 2.0, y), Size::Tick, CENTRED, FRAME)?;
             }
@@ -290,27 +251,6 @@ impl PanelFrame<'_> {
             text(row, &limit.label)?;
         }
         Ok(())
-    }
-
-    fn labels_below(&self, canvas: &Canvas<'_>) -> Draw {
-        for (time, label) in &self.over.ticks {
-            canvas.text(
-                label,
-                (self.x(*time), self.bottom + 8.0),
-                Size::Tick,
-                BELOW,
-                INK,
-            )?;
-        }
-        let middle = (self.left + self.right) / 2.0;
-        let title = axis_title(self.quantity, &self.over.unit);
-        canvas.text(
-            &title,
-            (middle, self.bottom + 32.0),
-            Size::Label,
-            BELOW,
-            INK,
-        )
     }
 }
 

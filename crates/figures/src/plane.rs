@@ -1,9 +1,10 @@
 //! Window on a plane, with the same scale in both directions and a grid.
 
-use crate::canvas::{BELOW, Canvas, Draw, LEFT_OF, Size};
+use crate::canvas::{Canvas, Draw};
+use crate::frame::Frame;
 use crate::panel::{axis_title, range};
 use crate::scale::{Axis, Margin};
-use crate::style::{FRAME, GRID, INK, RGBColor};
+use crate::sketch::Cells;
 
 /// Distance of the grid's lines, about, in logical pixels.
 const INTERVAL: f64 = 80.0;
@@ -53,11 +54,13 @@ impl View {
     }
 
     /// Returns the place of a point on the page.
-    pub fn at(&self, [x, y]: [f64; 2]) -> (f64, f64) {
-        (
-            self.left + self.x.fraction(x) * self.width,
-            self.top + (1.0 - self.y.fraction(y)) * self.height,
-        )
+    pub fn at(&self, point: [f64; 2]) -> (f64, f64) {
+        self.frame().at(point)
+    }
+
+    /// Returns the length in the plane of a logical pixel.
+    pub fn pixel(&self) -> f64 {
+        (self.x.high - self.x.low) / self.width
     }
 
     /// Returns the upper left corner.
@@ -65,29 +68,20 @@ impl View {
         (self.left, self.top)
     }
 
-    /// Fills the square cells of a grid with sides of `side`, whose centres and colours are given by column and row. Cells beside each other in a
-    /// row that have the same colour become one rectangle.
-    ///
-    /// # Errors
-    /// Failures of plotters.
-    pub fn cells(
-        &self,
-        canvas: &Canvas<'_>,
-        ([columns, rows], side): ([usize; 2], f64),
-        centre: impl Fn(usize, usize) -> [f64; 2],
-        colour: impl Fn(usize, usize) -> Option<RGBColor>,
-    ) -> Draw {
-        let half = 0.5 * side;
-        for row in 0..rows {
-            let colours: Vec<_> = (0..columns).map(|column| colour(column, row)).collect();
+    /// Fills the cells that have a colour. Cells beside each other in a row that have the same become one rectangle.
+    pub(crate) fn cells(&self, canvas: &Canvas<'_>, cells: &Cells) -> Draw {
+        let half = 0.5 * cells.side;
+        let [x, y] = cells.first;
+        for (row, colours) in (0_u32..).zip(cells.colours.chunks(cells.size[0].max(1))) {
+            let y = y + f64::from(row) * cells.side;
             let mut column = 0;
             for run in colours.chunk_by(|one, other| one == other) {
-                let (first, last) = (column, column + run.len() - 1);
+                let ends = [column, column + run.len() - 1];
                 column += run.len();
                 let Some(colour) = run[0] else {
                     continue;
                 };
-                let ([left, y], [right, _]) = (centre(first, row), centre(last, row));
+                let [left, right] = ends.map(|column| x + column as f64 * cells.side);
                 // A hair over the next cell: no seam shows between them.
                 let [low, high] = [
                     self.at([left - half, y - half]),
@@ -106,35 +100,21 @@ impl View {
     /// # Errors
     /// Failures of plotters.
     pub fn grid(&self, canvas: &Canvas<'_>, titles: [&str; 2]) -> Draw {
-        let (left, top) = (self.left, self.top);
-        let (right, bottom) = (left + self.width, top + self.height);
-        for (value, label) in &self.x.ticks {
-            let x = left + self.x.fraction(*value) * self.width;
-            canvas.line(&[(x, top), (x, bottom)], GRID, 1.0)?;
-            canvas.text(label, (x, bottom + 8.0), Size::Tick, BELOW, INK)?;
+        let frame = self.frame();
+        frame.grid(canvas, false)?;
+        let up = axis_title(titles[1], &self.y.unit);
+        frame.outline(canvas, &up, self.left - 54.0)?;
+        frame.below(canvas, &axis_title(titles[0], &self.x.unit))
+    }
+
+    fn frame(&self) -> Frame<'_> {
+        Frame {
+            left: self.left,
+            top: self.top,
+            right: self.left + self.width,
+            bottom: self.top + self.height,
+            x: &self.x,
+            y: &self.y,
         }
-        for (value, label) in &self.y.ticks {
-            let y = bottom - self.y.fraction(*value) * self.height;
-            canvas.line(&[(left, y), (right, y)], GRID, 1.0)?;
-            canvas.text(label, (left - 8.0, y), Size::Tick, LEFT_OF, INK)?;
-        }
-        let corners = [
-            (left, top),
-            (right, top),
-            (right, bottom),
-            (left, bottom),
-            (left, top),
-        ];
-        canvas.line(&corners, FRAME, 1.0)?;
-        let middle = (left + self.width / 2.0, bottom + 34.0);
-        let title = axis_title(titles[0], &self.x.unit);
-        canvas.text(&title, middle, Size::Label, BELOW, INK)?;
-        let middle = (left - 54.0, top + self.height / 2.0);
-        canvas.upright(
-            &axis_title(titles[1], &self.y.unit),
-            middle,
-            Size::Label,
-            INK,
-        )
     }
 }

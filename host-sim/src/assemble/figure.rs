@@ -2,10 +2,11 @@
 
 use super::document::{is_own, side, signs};
 use super::find::Modes;
-use crate::figures::draw_pose;
+use crate::figures::pose_marks;
 use trirrr_design::assembly::elbows_of;
 use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
 use trirrr_figures::plane::View;
+use trirrr_figures::sketch::SketchMark;
 use trirrr_figures::style::{INK, MOTORS, PATH};
 use trirrr_scene::record::Record;
 
@@ -116,14 +117,10 @@ fn panel(canvas: &Canvas<'_>, view: &View, heading: &str, record: &Record, own: 
         ];
         canvas.line(&frame, PATH, 3.0)?;
     }
-    draw_pose(
-        canvas,
-        |point| view.at(point),
-        &record.legs,
-        |colour| colour,
-    )?;
     let [x, y, _] = record.pose;
-    canvas.dot(view.at([x, y]), 3.2, PATH)
+    let pose = pose_marks(&record.legs, |colour| colour).into_iter();
+    let mut marks = pose.chain([SketchMark::Dot([x, y], 3.2, PATH)]);
+    marks.try_for_each(|mark| mark.draw(canvas, view))
 }
 
 fn legend(canvas: &Canvas<'_>, y: f64) -> Draw {

@@ -43,6 +43,6 @@ pub fn command(args: &AssembleArgs) -> Result<(), CliError> {
     ] {
         results.write(name, text)?;
     }
-    results.end(Ok(()))?;
+    results.end(None)?;
     show(document(&modes).files(results.files()), args.json)
 }

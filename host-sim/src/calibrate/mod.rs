@@ -122,7 +122,7 @@ pub fn command(args: &CalibrateArgs, stop: &AtomicBool) -> Result<(), CliError> 
     let mut document = document::document(&findings, args, &written);
     let json = format!("{:#}\n", document.json());
     written.files.push(results.write("calibration.json", json)?);
-    results.end(Ok(()))?;
+    results.end(None)?;
     show(document.files(written.files), args.json)
 }
 

@@ -6,7 +6,6 @@ mod field;
 mod figures;
 mod motor_figures;
 mod optimise;
-mod scatter;
 mod study;
 
 pub use args::{DesignArgs, StudyArgs};
@@ -57,7 +56,7 @@ fn report(args: &DesignArgs) -> Result<(), CliError> {
     results.write("animation.html", study.animation.page(&study.scene.name))?;
     let title = format!("{}: design report", study.scene.name);
     results.write("report.html", document.page(&title))?;
-    results.end(Ok(()))?;
+    results.end(None)?;
     match args.json {
         true => print(&json),
         false => print(&document.files(results.files()).text()),

@@ -1,9 +1,9 @@
 //! Figures of motors: what the job asks of a motor, under what the motor gives.
 
-use super::scatter::{ScatterAxis, ScatterMarks, ScatterSet, scatter};
 use super::study::{MotorRow, Study};
 use trirrr_design::motors::CatalogueMotor;
 use trirrr_figures::canvas::Drawn;
+use trirrr_figures::scatter::{Over, Scatter, Series, draw};
 use trirrr_figures::style::{BLUE, GREEN, VERMILLION, faded};
 
 /// Names of the figures, of the first motors.
@@ -34,37 +34,20 @@ fn motor(study: &Study, row: &MotorRow) -> Drawn {
     let fastest = asked.iter().map(|point| point[0]).fold(0.0, f64::max);
     // Not all of a curve that reaches far beyond the job.
     let end = motor.no_load_rad_s().min((4.0 * fastest).max(1.0));
-    let mut sets = vec![ScatterSet {
-        label: "the job".into(),
-        colour: faded(BLUE, 0.6),
-        marks: ScatterMarks::Dots(2.0),
-        points: asked,
-    }];
-    sets.push(ScatterSet {
-        label: match motor.curve_source() {
-            "estimated" => "pull-out, estimated".into(),
-            _ => "peak torque".into(),
-        },
-        colour: VERMILLION,
-        marks: ScatterMarks::Line,
-        points: curve(motor, end),
-    });
+    let peak = match motor.curve_source() {
+        "estimated" => "pull-out, estimated",
+        _ => "peak torque",
+    };
+    let mut series = vec![
+        Series::dots("the job", 2.0, asked).coloured(faded(BLUE, 0.6)),
+        Series::line(peak, curve(motor, end)).coloured(VERMILLION),
+    ];
     if let Some(torque) = motor.torque_continuous_nm {
-        let level = |torque: f64| vec![[0.0, torque], [end, torque]];
-        sets.push(ScatterSet {
-            label: "continuous torque".into(),
-            colour: GREEN,
-            marks: ScatterMarks::Line,
-            points: level(torque),
-        });
-        sets.push(ScatterSet {
-            label: "RMS of the job".into(),
-            colour: BLUE,
-            marks: ScatterMarks::Line,
-            points: level(candidate.torque_rms_nm),
-        });
+        let level = |label, torque: f64| Series::line(label, vec![[0.0, torque], [end, torque]]);
+        series.push(level("continuous torque", torque).coloured(GREEN));
+        series.push(level("RMS of the job", candidate.torque_rms_nm).coloured(BLUE));
     }
-    let axis = |quantity, unit| ScatterAxis {
+    let over = |quantity, unit| Over::Linear {
         quantity,
         unit,
         from: Some(0.0),
@@ -73,11 +56,14 @@ fn motor(study: &Study, row: &MotorRow) -> Drawn {
         "{}: {}, gear {}, {} V",
         study.scene.name, motor.name, candidate.gear_ratio, motor.supply_v
     );
-    let axes = [
-        axis("speed at the shaft", "rad/s"),
-        axis("torque at the shaft", "N m"),
-    ];
-    scatter(&title, axes, &sets)
+    draw(&Scatter {
+        title: &title,
+        x: over("speed at the shaft", "rad/s"),
+        y: over("torque at the shaft", "N m"),
+        series: &series,
+        marks: &[],
+        fronts: &[],
+    })
 }
 
 fn curve(motor: &CatalogueMotor, end: f64) -> Vec<[f64; 2]> {

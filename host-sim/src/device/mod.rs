@@ -10,6 +10,7 @@ mod server;
 pub use args::DeviceArgs;
 
 use crate::failure::CliError;
+use crate::numbers;
 use crate::realtime::{Deadlines, Pacer};
 use crate::serve::{Doors, Hub, ListenArgs};
 use crate::terminal::print_line;
@@ -23,7 +24,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 use trirrr_client::describe::Units;
 use trirrr_client::local;
-use trirrr_client::local::HostNumber;
+use trirrr_client::local::{HostNumber, Sensed};
 use trirrr_drives::ObeyingDrives;
 use trirrr_line::entropy;
 use trirrr_scene::Scene;
@@ -147,9 +148,9 @@ impl Device<'_> {
             inputs,
             is_quiet,
         } = self;
-        let units = trirrr_scene::units::<N>(scene)
-            .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
-        let played = local::with_machine_switched_on::<N, _>(scene, |machine| {
+        let units = numbers::units::<N>(scene)?;
+        let sensed = Sensed::all(scene);
+        let played = local::with_machine_in::<N, _>(scene, units, sensed, |machine| {
             machine.stir(entropy());
             let motors = scene.homing.map(|homing| {
                 let commanded = motors::angles(machine.motors());

@@ -1,8 +1,8 @@
 //! The machine in motion, as a page that needs nothing from elsewhere: it plays, pauses, and is drawn at any time by mouse and keys.
 
+use crate::tick_record::AnyTick;
 use serde_json::{Value, json};
 use trirrr_figures::document::escaped;
-use trirrr_scene::record::Record;
 
 /// Poses that are kept; the page interpolates between them.
 const FRAMES: u64 = 600;
@@ -21,8 +21,8 @@ pub(crate) struct Animation {
     legs: Option<Value>,
 }
 
-/// Time; x, y, alpha; angles of the motors; torques.
-type AnimationFrame = [f64; 10];
+/// Time; x, y, alpha; angles of the motors; torques; places of the base joints, where sliders move them.
+type AnimationFrame = Vec<f64>;
 
 impl Animation {
     /// For a job of about `ticks` records of a scene with or without `torque`.
@@ -38,20 +38,27 @@ impl Animation {
     }
 
     /// Adds the record of the next tick.
-    pub(crate) fn push(&mut self, record: &Record) {
+    pub(crate) fn push(&mut self, record: &AnyTick) {
         self.legs.get_or_insert_with(|| legs(record));
-        let mut frame = [record.t; 10];
-        frame[1..4].copy_from_slice(&record.pose);
-        for (motor, leg) in record.legs.iter().enumerate() {
-            frame[4 + motor] = leg.th1;
-            frame[7 + motor] = leg.torque;
-        }
         // The first record of each of so many stretches of the job.
         let stretch = |tick: u64| u128::from(tick) * u128::from(FRAMES) / u128::from(self.ticks);
         let is_kept = self.seen == 0 || stretch(self.seen) != stretch(self.seen - 1);
-        self.last = (!is_kept).then_some(frame);
-        if is_kept {
-            self.frames.push(frame);
+        let [pose, ..] = record.platform();
+        // In the memory of the one before, if it is not kept.
+        let mut frame = self.last.take().unwrap_or_default();
+        frame.clear();
+        frame.push(record.t());
+        frame.extend(pose);
+        frame.extend(record.each_leg().map(|leg| leg.th1));
+        if self.torque {
+            frame.extend(record.each_leg().map(|leg| leg.torque));
+        }
+        if has_sliders(record) {
+            frame.extend(record.each_leg().flat_map(|leg| leg.base));
+        }
+        match is_kept {
+            true => self.frames.push(frame),
+            false => self.last = Some(frame),
         }
         self.seen += 1;
     }
@@ -64,10 +71,7 @@ impl Animation {
         }
         let shown: Vec<Vec<f64>> = frames
             .iter()
-            .map(|frame| {
-                let count = if self.torque { 10 } else { 7 };
-                frame[..count].iter().map(|value| short(*value)).collect()
-            })
+            .map(|frame| frame.iter().map(|value| short(*value)).collect())
             .collect();
         let data = json!({ "legs": self.legs, "torque": self.torque, "frames": shown });
         PLAYER.replacen("/*DATA*/null", &data.to_string(), 1)
@@ -86,21 +90,26 @@ impl Animation {
     }
 }
 
-/// Base joints, lengths of the proximal links, and platform joints in the platform's frame, m.
-fn legs(record: &Record) -> Value {
-    let [x, y, alpha] = record.pose;
+fn has_sliders(record: &AnyTick) -> bool {
+    let redundant = record.redundant();
+    redundant.is_some_and(|record| record.legs.iter().any(|leg| leg.slider.is_some()))
+}
+
+/// Base joints that stand, lengths of the proximal links, and platform joints in the platform's frame, m.
+fn legs(record: &AnyTick) -> Value {
+    let [[x, y, alpha], ..] = record.platform();
     let (sin, cos) = alpha.sin_cos();
     let of_leg = |leg: &trirrr_scene::record::LegRecord| {
         let [cx, cy] = leg.platform_joint();
         let (u, v) = (cx - x, cy - y);
         let joint = [cos * u + sin * v, cos * v - sin * u];
         json!({
-            "base": leg.base.map(short),
+            "base": (!has_sliders(record)).then(|| leg.base.map(short)),
             "proximal": short(leg.r1[0].hypot(leg.r1[1])),
             "joint": joint.map(short),
         })
     };
-    record.legs.iter().map(of_leg).collect()
+    record.each_leg().map(of_leg).collect()
 }
 
 /// Rounds to six digits, which are more than a screen shows.
@@ -111,6 +120,7 @@ fn short(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use trirrr_scene::record::Record;
 
     fn animation(ticks: u64, torque: bool) -> Animation {
         let mut animation = Animation::new(ticks, torque);

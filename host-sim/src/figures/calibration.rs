@@ -4,15 +4,14 @@ use crate::failure::CliError;
 use crate::results::ResultFolder;
 use std::path::PathBuf;
 use trirrr_calibration::{DeviceReading, JudgedRow};
-use trirrr_figures::canvas::{CENTRED, Drawn, RIGHT_OF, Size, page};
+use trirrr_figures::canvas::Drawn;
 use trirrr_figures::panel::{Curve, Panel, draw_over};
 use trirrr_figures::plane::View;
 use trirrr_figures::scale::{Axis, Margin};
+use trirrr_figures::sketch::{Sketch, SketchMark, Swatch};
 use trirrr_figures::style::{BLUE, INK, VERMILLION};
 
 const SIDE: f64 = 560.0;
-const LEFT: f64 = 84.0;
-const TOP: f64 = 56.0;
 
 /// Part of the width that the longest vector has.
 const LONGEST: f64 = 0.12;
@@ -90,48 +89,41 @@ impl CalibrationFigures<'_> {
     }
 
     fn in_plane(&self, places: &[[[f64; 2]; 3]]) -> Drawn {
-        let points: Vec<[f64; 2]> = places.iter().map(|place| place[0]).collect();
-        let view = View::around(&points, "m", (LEFT, TOP), SIDE);
-        let longest = |which: usize| {
+        let shown: Vec<[f64; 2]> = places.iter().map(|place| place[0]).collect();
+        let view = View::around(&shown, "m", (0.0, 0.0), SIDE);
+        let longest = [1, 2].map(|which: usize| {
             let sizes = places
                 .iter()
                 .map(|place| place[which][0].hypot(place[which][1]));
             sizes.fold(1e-12, f64::max)
-        };
+        });
+        // Both sets of vectors are as long as a part of the window.
         let pixels = LONGEST * view.width;
-        let scales = [pixels / longest(1), pixels / longest(2)];
-        let height = TOP + view.height + 120.0;
-        let title = format!("{}: measured less computed places", self.name);
-        page(LEFT + view.width + 40.0, height, |canvas| {
-            canvas.text(
-                &title,
-                (LEFT + view.width / 2.0, 28.0),
-                Size::Title,
-                CENTRED,
-                INK,
-            )?;
-            view.grid(canvas, ["x", "y"])?;
-            for [place, before, after] in places {
-                let at = view.at(*place);
-                for (vector, scale, colour) in
-                    [(before, scales[0], VERMILLION), (after, scales[1], BLUE)]
-                {
-                    let end = (at.0 + scale * vector[0], at.1 - scale * vector[1]);
-                    canvas.line(&[at, end], colour, 1.8)?;
-                }
-                canvas.dot(at, 2.2, INK)?;
-            }
-            let words = [
-                (VERMILLION, "before", longest(1)),
-                (BLUE, "after", longest(2)),
-            ];
-            for (row, (colour, word, most)) in words.into_iter().enumerate() {
-                let y = TOP + view.height + 76.0 + 22.0 * row as f64;
-                canvas.line(&[(LEFT, y), (LEFT + pixels, y)], colour, 2.5)?;
-                let text = format!("{word}, longest {:.1} um", 1e6 * most);
-                canvas.text(&text, (LEFT + pixels + 10.0, y), Size::Label, RIGHT_OF, INK)?;
-            }
-            Ok(())
-        })
+        let scales = longest.map(|longest| pixels * view.pixel() / longest);
+        let colours = [VERMILLION, BLUE];
+        let vectors = |[[x, y], vectors @ ..]: &[[f64; 2]; 3]| {
+            let ends = [0, 1].map(|set| vectors[set].map(|part| scales[set] * part));
+            let lines = [0, 1].map(|set| {
+                let [dx, dy] = ends[set];
+                SketchMark::Line(vec![[*x, *y], [x + dx, y + dy]], colours[set], 1.8)
+            });
+            lines
+                .into_iter()
+                .chain([SketchMark::Dot([*x, *y], 2.2, INK)])
+        };
+        let entry = |set: usize, word: &str| {
+            let text = format!("{word}, longest {:.1} um", 1e6 * longest[set]);
+            vec![(Swatch::Line(colours[set], 2.5, pixels), text)]
+        };
+        let sketch = Sketch {
+            title: format!("{}: measured less computed places", self.name),
+            axes: ["x", "y"],
+            side: SIDE,
+            under: Vec::new(),
+            over: places.iter().flat_map(vectors).collect(),
+            legend: vec![entry(0, "before"), entry(1, "after")],
+            shown,
+        };
+        sketch.draw()
     }
 }

@@ -1,279 +1,205 @@
-//! The figures against time: which quantities of the record stand in which panel.
+//! The figures of a job against time: which quantities of the record stand in which panel.
 
-use super::marks::{least, of_motors};
-use trirrr_core::limits::LimitParameters;
-use trirrr_figures::panel::LimitLine;
-use trirrr_figures::style::{ANGLE, MOTORS, RGBColor, X, Y};
-use trirrr_scene::record::{LegRecord, Record};
+use super::job::{DrawnJob, least, of_motors};
+use crate::tick_record::AnyTick;
+use trirrr_figures::chart::{Chart, Figure, Series};
+use trirrr_figures::style::{ANGLE, X, Y};
+use trirrr_linkage::redundant::scene::{RedundantLegRecord, RedundantRecord, SliderRecord};
+use trirrr_scene::record::LegRecord;
 
-/// One quantity of the record as a curve.
-pub(super) struct CurveSource {
-    pub(super) label: &'static str,
-    pub(super) value: fn(&Record) -> f64,
-    pub(super) colour: RGBColor,
-    /// Angles that jump by a turn where atan2 does: drawn without the jump.
-    pub(super) unwrap: bool,
+type TickSeries = Series<AnyTick>;
+type TickChart = Chart<AnyTick>;
+
+/// Value of a quantity of a redundant machine; a gap in the curve of another.
+fn more(record: &AnyTick, value: impl Fn(&RedundantRecord) -> f64) -> f64 {
+    record.redundant().map_or(f64::NAN, value)
 }
 
-const fn curve(label: &'static str, colour: RGBColor, value: fn(&Record) -> f64) -> CurveSource {
-    CurveSource {
-        label,
-        value,
-        colour,
-        unwrap: false,
-    }
-}
-
-const fn angle(label: &'static str, colour: RGBColor, value: fn(&Record) -> f64) -> CurveSource {
-    CurveSource {
-        unwrap: true,
-        ..curve(label, colour, value)
-    }
-}
-
-/// A curve for each leg by the given function.
-macro_rules! of_legs {
-    ($make:ident, $names:ident, $value:expr) => {
-        &[
-            $make($names[0], MOTORS[0], |r| {
-                let value: fn(&LegRecord) -> f64 = $value;
-                value(&r.legs[0])
-            }),
-            $make($names[1], MOTORS[1], |r| {
-                let value: fn(&LegRecord) -> f64 = $value;
-                value(&r.legs[1])
-            }),
-            $make($names[2], MOTORS[2], |r| {
-                let value: fn(&LegRecord) -> f64 = $value;
-                value(&r.legs[2])
-            }),
-        ]
+/// Place, velocity or acceleration of the platform, by its number. Translation and rotation have panels of their own.
+fn platform(
+    number: usize,
+    [along, unit]: [&'static str; 2],
+    [about, unit_about]: [&'static str; 2],
+) -> [TickChart; 2] {
+    let axis = |label, axis: usize, colour| {
+        let value = move |record: &AnyTick| record.platform()[number][axis];
+        TickSeries::new(label, value).coloured(colour)
     };
+    [
+        Chart::new(along, unit, [axis("x", 0, X), axis("y", 1, Y)]),
+        Chart::new(about, unit_about, [axis("\u{3b1}", 2, ANGLE)]),
+    ]
 }
 
-/// Names of curves of motors and of the joints that they turn.
-pub(super) const MOTOR_NAMES: [&str; 3] = ["motor 1", "motor 2", "motor 3"];
-/// Names of curves of legs.
-const LEG_NAMES: [&str; 3] = ["leg 1", "leg 2", "leg 3"];
-
-/// One panel of a figure.
-pub(super) struct PanelSource {
-    pub(super) quantity: &'static str,
-    pub(super) unit: &'static str,
-    /// The axis starts at zero, because the distance from zero matters.
-    pub(super) from_zero: bool,
-    pub(super) curves: &'static [CurveSource],
-    /// Limits of the curves.
-    pub(super) limits: fn(&LimitParameters) -> Vec<LimitLine>,
-}
-
-/// One figure: its file, what its title says, its panels.
-pub(super) struct FigureSource {
-    pub(super) file: &'static str,
-    pub(super) title: &'static str,
-    /// Shows torques or powers: a scene that computes none has no such figure.
-    pub(super) dynamic: bool,
-    pub(super) panels: &'static [PanelSource],
-}
-
-const fn panel(
-    quantity: &'static str,
-    unit: &'static str,
-    curves: &'static [CurveSource],
-) -> PanelSource {
-    PanelSource {
-        quantity,
-        unit,
-        from_zero: false,
-        curves,
-        limits: |_| Vec::new(),
-    }
-}
-
-impl PanelSource {
-    const fn within(mut self, limits: fn(&LimitParameters) -> Vec<LimitLine>) -> Self {
-        self.limits = limits;
-        self
+impl DrawnJob {
+    /// A curve for each motor, or for each leg.
+    fn each(&self, thing: &str, value: fn(&LegRecord) -> f64) -> Vec<TickSeries> {
+        Series::numbered(thing, self.legs, move |record: &AnyTick, index| {
+            value(record.leg(index))
+        })
     }
 
-    const fn with_zero(mut self) -> Self {
-        self.from_zero = true;
-        self
+    /// A curve for each leg of a redundant machine.
+    fn each_more(&self, value: fn(&RedundantLegRecord) -> f64) -> Vec<TickSeries> {
+        Series::numbered("leg", self.legs, move |record: &AnyTick, index| {
+            more(record, |it| value(&it.legs[index]))
+        })
     }
-}
 
-/// The figures against time. Translation and rotation have panels of their own.
-const FIGURES: &[FigureSource] = &[
-    FigureSource {
-        file: "pose.svg",
-        title: "pose of the platform",
-        dynamic: false,
-        panels: &[
-            panel(
-                "position",
-                "m",
-                &[curve("x", X, |r| r.pose[0]), curve("y", Y, |r| r.pose[1])],
+    /// A curve for each slider.
+    fn sliders(&self, value: fn(&SliderRecord) -> f64) -> Vec<TickSeries> {
+        let series = |&leg: &usize| {
+            let value = move |record: &AnyTick| {
+                more(record, |it| it.legs[leg].slider.as_ref().map_or(0.0, value))
+            };
+            Series::new(format!("slider {}", leg + 1), value)
+        };
+        self.sliders.iter().map(series).collect()
+    }
+
+    /// Figures against time.
+    pub(super) fn figures(&self) -> Vec<Figure<AnyTick>> {
+        let limits = &self.limits;
+        let mut figures = vec![
+            Figure::new(
+                "pose.svg",
+                "pose of the platform",
+                platform(0, ["position", "m"], ["orientation", "rad"]),
             ),
-            panel(
-                "orientation",
-                "rad",
-                &[curve("\u{3b1}", ANGLE, |r| r.pose[2])],
+            Figure::new(
+                "velocity.svg",
+                "velocity of the platform",
+                platform(1, ["velocity", "m/s"], ["angular velocity", "rad/s"]),
             ),
-        ],
-    },
-    FigureSource {
-        file: "velocity.svg",
-        title: "velocity of the platform",
-        dynamic: false,
-        panels: &[
-            panel(
-                "velocity",
-                "m/s",
-                &[
-                    curve("x", X, |r| r.velocity[0]),
-                    curve("y", Y, |r| r.velocity[1]),
+            Figure::new(
+                "acceleration.svg",
+                "acceleration of the platform",
+                platform(
+                    2,
+                    ["acceleration", "m/s\u{b2}"],
+                    ["angular acceleration", "rad/s\u{b2}"],
+                ),
+            ),
+            Figure::new(
+                "joint_angle.svg",
+                "angles of the links",
+                [
+                    ("angle of the motors", self.each("motor", |leg| leg.th1)),
+                    ("angle of the distal links", self.each("leg", |leg| leg.th2)),
+                ]
+                .map(|(quantity, angles)| {
+                    Chart::new(quantity, "rad", angles.into_iter().map(Series::unwrapped))
+                }),
+            ),
+            Figure::new(
+                "joint_rate.svg",
+                "angular velocities of the links",
+                [
+                    Chart::new(
+                        "rate of the motors",
+                        "rad/s",
+                        self.each("motor", |leg| leg.dth1),
+                    )
+                    .within(of_motors(limits.rate_rad_s.as_ref())),
+                    Chart::new(
+                        "rate of the distal links",
+                        "rad/s",
+                        self.each("leg", |leg| leg.dth2),
+                    ),
                 ],
             ),
-            panel(
-                "angular velocity",
-                "rad/s",
-                &[curve("\u{3b1}", ANGLE, |r| r.velocity[2])],
-            ),
-        ],
-    },
-    FigureSource {
-        file: "acceleration.svg",
-        title: "acceleration of the platform",
-        dynamic: false,
-        panels: &[
-            panel(
-                "acceleration",
-                "m/s\u{b2}",
-                &[
-                    curve("x", X, |r| r.acceleration[0]),
-                    curve("y", Y, |r| r.acceleration[1]),
+            Figure::new(
+                "joint_acceleration.svg",
+                "angular accelerations of the links",
+                [
+                    Chart::new(
+                        "acceleration of the motors",
+                        "rad/s\u{b2}",
+                        self.each("motor", |leg| leg.ddth1),
+                    )
+                    .within(of_motors(limits.acceleration_rad_s2.as_ref())),
+                    Chart::new(
+                        "acceleration of the distal links",
+                        "rad/s\u{b2}",
+                        self.each("leg", |leg| leg.ddth2),
+                    ),
                 ],
             ),
-            panel(
-                "angular acceleration",
-                "rad/s\u{b2}",
-                &[curve("\u{3b1}", ANGLE, |r| r.acceleration[2])],
-            ),
-        ],
-    },
-    FigureSource {
-        file: "joint_angle.svg",
-        title: "angles of the links",
-        dynamic: false,
-        panels: &[
-            panel(
-                "angle of the motors",
-                "rad",
-                of_legs!(angle, MOTOR_NAMES, |leg| leg.th1),
-            ),
-            panel(
-                "angle of the distal links",
-                "rad",
-                of_legs!(angle, LEG_NAMES, |leg| leg.th2),
-            ),
-        ],
-    },
-    FigureSource {
-        file: "joint_rate.svg",
-        title: "angular velocities of the links",
-        dynamic: false,
-        panels: &[
-            panel(
-                "rate of the motors",
-                "rad/s",
-                of_legs!(curve, MOTOR_NAMES, |leg| leg.dth1),
-            )
-            .within(|limits| of_motors(limits.rate_rad_s)),
-            panel(
-                "rate of the distal links",
-                "rad/s",
-                of_legs!(curve, LEG_NAMES, |leg| leg.dth2),
-            ),
-        ],
-    },
-    FigureSource {
-        file: "joint_acceleration.svg",
-        title: "angular accelerations of the links",
-        dynamic: false,
-        panels: &[
-            panel(
-                "acceleration of the motors",
-                "rad/s\u{b2}",
-                of_legs!(curve, MOTOR_NAMES, |leg| leg.ddth1),
-            )
-            .within(|limits| of_motors(limits.acceleration_rad_s2)),
-            panel(
-                "acceleration of the distal links",
-                "rad/s\u{b2}",
-                of_legs!(curve, LEG_NAMES, |leg| leg.ddth2),
-            ),
-        ],
-    },
-    FigureSource {
-        file: "torque.svg",
-        title: "torques of the motors",
-        dynamic: true,
-        panels: &[panel(
-            "torque",
-            "N m",
-            of_legs!(curve, MOTOR_NAMES, |leg| leg.torque),
-        )
-        .within(|limits| of_motors(limits.torque_nm))],
-    },
-    FigureSource {
-        file: "power.svg",
-        title: "powers of the motors",
-        dynamic: true,
-        panels: &[
-            panel("power", "W", of_legs!(curve, MOTOR_NAMES, |leg| leg.power))
-                .within(|limits| of_motors(limits.power_w)),
-            panel(
-                "sum of the powers",
-                "W",
-                &[curve("sum", ANGLE, |r| {
-                    r.legs.iter().map(|leg| leg.power).sum()
-                })],
-            ),
-        ],
-    },
-    FigureSource {
-        file: "singularity.svg",
-        title: "scale-free distances to singularity",
-        dynamic: false,
-        panels: &[
-            panel(
-                "serial distance",
-                "",
-                of_legs!(curve, LEG_NAMES, |leg| leg.serial),
-            )
-            .with_zero()
-            .within(|limits| least(limits.serial_distance_min)),
-            panel(
-                "parallel distance",
-                "",
-                &[curve("machine", ANGLE, |r| r.parallel)],
-            )
-            .with_zero()
-            .within(|limits| least(limits.parallel_distance_min)),
-        ],
-    },
-];
+        ];
+        if self.torque {
+            figures.extend(self.loads());
+        }
+        let parallel = TickSeries::new("machine", |record| record.parallel()).coloured(ANGLE);
+        figures.push(Figure::new(
+            "singularity.svg",
+            "scale-free distances to singularity",
+            [
+                Chart::new("serial distance", "", self.each("leg", |leg| leg.serial))
+                    .within(least(limits.serial_distance_min)),
+                Chart::new("parallel distance", "", [parallel])
+                    .within(least(limits.parallel_distance_min)),
+            ]
+            .map(Chart::with_zero),
+        ));
+        if !self.sliders.is_empty() {
+            let charts = [
+                Chart::new("position", "m", self.sliders(|slider| slider.position)),
+                Chart::new("velocity", "m/s", self.sliders(|slider| slider.velocity)),
+                Chart::new("force", "N", self.sliders(|slider| slider.force)),
+                Chart::new("power", "W", self.sliders(|slider| slider.power)),
+            ];
+            figures.push(Figure::new("slider.svg", "sliders", charts));
+        }
+        figures
+    }
 
-/// Returns the figures of a scene with or without `torque`.
-pub(super) fn figures(torque: bool) -> impl Iterator<Item = &'static FigureSource> {
-    FIGURES
-        .iter()
-        .filter(move |figure| torque || !figure.dynamic)
+    /// Figures of torques, powers and forces.
+    fn loads(&self) -> Vec<Figure<AnyTick>> {
+        let limits = &self.limits;
+        let torque = Chart::new("torque", "N m", self.each("motor", |leg| leg.torque))
+            .within(of_motors(limits.torque_nm.as_ref()));
+        let mut torques = vec![torque];
+        // With more than three legs many sets of torques give one motion.
+        if self.legs > 3 {
+            let least = self.each_more(|leg| leg.least_torque);
+            torques.push(Chart::new("least norm", "N m", least));
+            let norms = [
+                TickSeries::new("with preload", |record| {
+                    more(record, RedundantRecord::torque_norm)
+                }),
+                Series::new("without", |record| {
+                    more(record, RedundantRecord::least_norm)
+                }),
+            ];
+            torques.push(Chart::new("norm", "N m", norms));
+        }
+        let sum = TickSeries::new("sum", |record| record.each_leg().map(|leg| leg.power).sum());
+        let powers = [
+            Chart::new("power", "W", self.each("motor", |leg| leg.power))
+                .within(of_motors(limits.power_w.as_ref())),
+            Chart::new("sum of the powers", "W", [sum.coloured(ANGLE)]),
+        ];
+        let mut figures = vec![
+            Figure::new("torque.svg", "torques of the motors", torques),
+            Figure::new("power.svg", "powers of the motors", powers),
+        ];
+        if self.is_redundant {
+            let forces = [
+                ("force in A", self.each_more(|leg| size_of(leg.joints[0]))),
+                ("force in B", self.each_more(|leg| size_of(leg.joints[1]))),
+                ("force in C", self.each_more(|leg| size_of(leg.joints[2]))),
+            ];
+            let charts = forces.map(|(quantity, series)| Chart::new(quantity, "N", series));
+            figures.push(Figure::new(
+                "joint_force.svg",
+                "forces in the joints",
+                charts,
+            ));
+        }
+        figures
+    }
 }
 
-/// Returns every curve, in the order of figures and panels.
-pub(super) fn sources(torque: bool) -> impl Iterator<Item = &'static CurveSource> {
-    figures(torque)
-        .flat_map(|figure| figure.panels)
-        .flat_map(|panel| panel.curves)
+fn size_of([x, y]: [f64; 2]) -> f64 {
+    x.hypot(y)
 }

@@ -4,8 +4,8 @@ use crate::failure::CliError;
 use crate::results::ResultFolder;
 use std::path::PathBuf;
 use trirrr_calibration::identify::ExplainedTorque;
-use trirrr_figures::decimate::Decimator;
-use trirrr_figures::panel::{Curve, Panel, draw};
+use trirrr_figures::chart::{Chart, Figure, Series, gathered};
+use trirrr_figures::panel::draw;
 
 const MOTORS: [&str; 3] = ["torque 1", "torque 2", "torque 3"];
 
@@ -18,33 +18,20 @@ pub fn write_torques(
     name: &str,
     torques: &[ExplainedTorque],
 ) -> Result<PathBuf, CliError> {
-    let panel = |(motor, quantity): (usize, &&'static str)| {
+    // Each motor has rows of its own.
+    let of_motor = |(motor, quantity): (usize, &&'static str)| {
         let own = torques.iter().filter(|torque| torque.motor == motor);
-        let mut points = Decimator::<3>::new(torques.len() as u64 / 3 + 1);
-        for torque in own {
-            points.push(
-                torque.t,
-                [torque.measured_nm, torque.after_nm, torque.before_nm],
-            );
-        }
-        let points = points.finish();
-        let curve = |index: usize, label: &'static str| Curve {
-            label: label.into(),
-            points: points
-                .iter()
-                .map(|(t, values)| (*t, values[index]))
-                .collect(),
-            ..Curve::default()
-        };
-        Panel {
-            quantity,
-            unit: "N m",
-            from_zero: false,
-            curves: vec![curve(0, "measured"), curve(1, "found"), curve(2, "before")],
-            ..Panel::default()
-        }
+        let own: Vec<_> = own.map(|torque| (torque.t, torque)).collect();
+        let series = [
+            Series::new("measured", |torque: &ExplainedTorque| torque.measured_nm),
+            Series::new("found", |torque: &ExplainedTorque| torque.after_nm),
+            Series::new("before", |torque: &ExplainedTorque| torque.before_nm),
+        ];
+        let figure = Figure::new("", "", [Chart::new(quantity, "N m", series)]);
+        let figures = gathered(vec![figure], own.into_iter());
+        figures.into_iter().flat_map(|figure| figure.panels)
     };
-    let panels: Vec<Panel> = MOTORS.iter().enumerate().map(panel).collect();
+    let panels: Vec<_> = MOTORS.iter().enumerate().flat_map(of_motor).collect();
     let title = format!("{name}: torques, measured and by the parameters");
     results.figure("torques.svg", draw(&title, &panels))
 }

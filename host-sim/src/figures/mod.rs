@@ -11,12 +11,11 @@ mod drives;
 mod geometry;
 #[cfg(feature = "full")]
 mod identification;
+mod job;
 mod machine;
-mod marks;
 mod plan;
 mod plant;
 mod preview;
-mod redundant;
 mod refused;
 mod tolerances;
 mod traces;
@@ -24,18 +23,19 @@ mod traces;
 pub(crate) use animation::Animation;
 #[cfg(feature = "full")]
 pub use calibration::CalibrationFigures;
-pub use drives::DriveTraces;
+pub(crate) use drives::drive_figure;
 #[cfg(feature = "full")]
 pub(crate) use geometry::draw as draw_geometry;
 #[cfg(feature = "full")]
 pub use identification::write_torques;
+pub use job::DrawnJob;
 #[cfg(feature = "full")]
-pub(crate) use machine::draw_pose;
-pub use marks::JobMarks;
-pub use plan::PlanTraces;
-pub use plant::PlantTraces;
+pub(crate) use job::limit_lines;
+#[cfg(feature = "full")]
+pub(crate) use machine::pose_marks;
+pub(crate) use plan::plan_figure;
+pub use plant::{PlantRow, PlantTraces};
 pub use preview::Preview;
-pub use redundant::{RedundantPlantTraces, RedundantTraces};
 pub(crate) use refused::RefusedJob;
 pub use tolerances::ToleranceTraces;
 pub use traces::{MotorCurves, Traces};
@@ -43,45 +43,19 @@ pub use traces::{MotorCurves, Traces};
 use crate::failure::CliError;
 use crate::results::ResultFolder;
 use std::path::PathBuf;
-use trirrr_figures::canvas::Drawn;
+use trirrr_figures::chart::Gathered;
 
-/// Names of the files that [`write_all`] writes, for a scene with `torque` or without.
-pub fn names(torque: bool) -> impl Iterator<Item = &'static str> {
-    let over_time = catalogue::figures(torque).map(|figure| figure.file);
-    over_time.chain(["machine.svg", "path.svg", ANIMATION])
-}
-
-/// Name of the animation's page.
-const ANIMATION: &str = "animation.html";
-
-/// Draws everything into the folder of `results`, and returns the files written, in order, and the curves of the motors.
-///
-/// `heading` begins every title: the scene's name, and where the run ended early, when.
+/// Draws `figures` over time into the folder of `results`, and returns the files. `heading` begins every title.
 ///
 /// # Errors
 /// Failed: a file that cannot be drawn or written.
-pub fn write_all(
+pub(crate) fn write(
     results: &mut ResultFolder,
     heading: &str,
-    mut traces: Traces,
-) -> Result<(Vec<PathBuf>, MotorCurves), CliError> {
-    let mut written = Vec::new();
-    let mut add = |file: &str, drawn: Drawn| -> Result<(), CliError> {
-        written.push(results.figure(file, drawn)?);
-        Ok(())
-    };
-    let panels = traces.panels();
-    for (file, title, panels) in &panels {
-        add(
-            file,
-            trirrr_figures::panel::draw(&format!("{heading}: {title}"), panels),
-        )?;
-    }
-    let motors = Traces::of_motors(&panels);
-    let (scenery, path, animation) = traces.scenery();
-    let title = format!("{heading}: the machine and its path");
-    add("machine.svg", machine::draw(&title, &scenery))?;
-    add("path.svg", coloured_path::draw(heading, &path))?;
-    add(ANIMATION, Ok(animation.page(heading)))?;
-    Ok((written, motors))
+    figures: &[Gathered],
+) -> Result<Vec<PathBuf>, CliError> {
+    let files = figures.iter();
+    files
+        .map(|figure| results.figure(figure.file, figure.draw(heading)))
+        .collect()
 }

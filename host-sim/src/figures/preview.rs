@@ -1,14 +1,12 @@
 //! Figure of a path before anything moves: its strokes, the ways between them, and the reach of the machine.
 
-use trirrr_figures::canvas::{CENTRED, Canvas, Draw, Drawn, RIGHT_OF, Size, page};
+use trirrr_figures::canvas::Drawn;
 use trirrr_figures::plane::View;
+use trirrr_figures::sketch::{Cells, SAMPLE, Sketch, SketchMark, Swatch};
 use trirrr_figures::style::{AREA, FRAME, INK, LIMIT, PATH, RGBColor, faded};
 use trirrr_plan::piece::Piece;
 use trirrr_scene::{JobPath, ReachMap};
 
-const LEFT: f64 = 84.0;
-const TOP: f64 = 56.0;
-const BOTTOM: f64 = 150.0;
 const SIDE: f64 = 640.0;
 
 /// Places on each curve that are joined by lines.
@@ -37,70 +35,55 @@ pub struct Preview<'a> {
 impl Preview<'_> {
     /// Draws the figure.
     pub fn draw(&self) -> Drawn {
-        let curves: Vec<_> = self
-            .path
-            .pieces
-            .iter()
-            .map(|each| places(&each.piece))
-            .collect();
-        let shown: Vec<[f64; 2]> = self
-            .corners()
-            .into_iter()
-            .chain(curves.iter().flatten().copied())
-            .collect();
-        let view = View::around(&shown, "m", (LEFT, TOP), SIDE);
-        let title = format!("{}: the path, and the reach of the machine", self.name);
-        let width = (LEFT + view.width + 40.0)
-            .max(Size::Title.width(&title) + 40.0)
-            .max(600.0);
-        page(width, TOP + view.height + BOTTOM, |canvas| {
-            canvas.text(&title, (width / 2.0, 26.0), Size::Title, CENTRED, INK)?;
-            self.reach(canvas, &view)?;
-            view.grid(canvas, ["x of D", "y of D"])?;
-            let curves: Vec<Vec<_>> = curves
-                .iter()
-                .map(|curve| curve.iter().map(|place| view.at(*place)).collect())
-                .collect();
-            self.motions(canvas, &curves)?;
-            canvas.dot(view.at(self.start_m), 3.6, INK)?;
-            if let Some(breach) = self.breach {
-                canvas.cross(view.at(breach), LIMIT)?;
-            }
-            self.legend(canvas, TOP + view.height + 66.0)
-        })
+        let pieces = self.path.pieces.iter();
+        let curves: Vec<_> = pieces.map(|each| places(&each.piece)).collect();
+        let corners = self.corners().into_iter();
+        let shown: Vec<[f64; 2]> = corners.chain(curves.iter().flatten().copied()).collect();
+        let mut over = self.motions(&curves, &shown);
+        over.push(SketchMark::Dot(self.start_m, 3.6, INK));
+        over.extend(self.breach.map(|at| SketchMark::Cross(at, LIMIT)));
+        let sketch = Sketch {
+            title: format!("{}: the path, and the reach of the machine", self.name),
+            axes: ["x of D", "y of D"],
+            side: SIDE,
+            shown,
+            under: vec![self.reach()],
+            over,
+            legend: self.legend(),
+        };
+        sketch.draw()
     }
 
     /// The ways, and on top of them what is worked, in the shade of its power.
-    fn motions(&self, canvas: &Canvas<'_>, curves: &[Vec<(f64, f64)>]) -> Draw {
-        let powers: Vec<f64> = self
-            .path
-            .pieces
-            .iter()
-            .map(|each| self.path.tools.get(each.source).copied().flatten())
-            .map(|tool| tool.map_or(0.0, |tool| tool.power))
+    fn motions(&self, curves: &[Vec<[f64; 2]>], shown: &[[f64; 2]]) -> Vec<SketchMark> {
+        let power = |source: usize| {
+            let tool = self.path.tools.get(source).copied().flatten();
+            tool.map_or(0.0, |tool| tool.power)
+        };
+        let pieces = self.path.pieces.iter().zip(curves);
+        let powers = pieces.map(|(each, curve)| (power(each.source), curve));
+        let ways = powers.clone().filter(|(power, _)| *power == 0.0);
+        let mut marks: Vec<_> = ways
+            .map(|(_, curve)| SketchMark::Ways(curve.clone(), FRAME))
             .collect();
-        for (curve, _) in curves
-            .iter()
-            .zip(&powers)
-            .filter(|(_, power)| **power == 0.0)
-        {
-            way(canvas, curve)?;
-        }
         // Rows of an image lie closer to each other than a line is wide.
         let width = if curves.len() > MANY { 0.5 } else { 1.6 };
+        // What is shorter than a pixel is not seen.
+        let least = View::around(shown, "m", (0.0, 0.0), SIDE).pixel();
         let mut stroke = Stroke::default();
-        for (curve, &power) in curves.iter().zip(&powers) {
-            if power == 0.0 || stroke.is_seen() {
-                stroke.draw(canvas, width)?;
+        for (power, curve) in powers {
+            if power == 0.0 || stroke.length >= least {
+                marks.extend(stroke.mark(width));
             }
             if power > 0.0 {
                 stroke.add(curve, power);
             }
         }
-        stroke.draw(canvas, width)
+        marks.extend(stroke.mark(width));
+        marks
     }
 
-    /// Lower left and upper right corner of the nodes that are reached.
+    /// Places of the nodes that are reached.
     fn corners(&self) -> Vec<[f64; 2]> {
         let [columns, rows] = self.reach.size();
         let nodes = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
@@ -109,59 +92,56 @@ impl Preview<'_> {
         places.collect()
     }
 
-    fn reach(&self, canvas: &Canvas<'_>, view: &View) -> Draw {
+    fn reach(&self) -> SketchMark {
         let reach = self.reach;
-        view.cells(
-            canvas,
-            (reach.size(), reach.step_m()),
-            |column, row| reach.place_m(column, row),
-            |column, row| {
-                let shade = shade(reach.margin(column, row)?);
-                Some(faded(AREA, SHADES[shade].1))
-            },
-        )
+        let [columns, rows] = reach.size();
+        let colour = |index: usize| {
+            let margin = reach.margin(index % columns, index / columns)?;
+            Some(faded(AREA, SHADES[shade(margin)].1))
+        };
+        SketchMark::Cells(Cells {
+            first: reach.place_m(0, 0),
+            side: reach.step_m(),
+            size: [columns, rows],
+            colours: (0..columns * rows).map(colour).collect(),
+        })
     }
 
-    fn legend(&self, canvas: &Canvas<'_>, top: f64) -> Draw {
-        let line = |row: f64| top + 20.0 * row;
-        let text = |row: f64, text: &str| {
-            canvas.text(text, (LEFT + 48.0, line(row)), Size::Tick, RIGHT_OF, INK)
-        };
-        canvas.line(&[(LEFT, line(0.0)), (LEFT + 36.0, line(0.0))], PATH, 1.6)?;
-        text(0.0, "tool on, paler at less power")?;
-        canvas.dashed((LEFT, line(1.0)), (LEFT + 36.0, line(1.0)), FRAME)?;
-        text(1.0, "tool off; the dot is the start")?;
-        for (index, (_, strength)) in SHADES.iter().enumerate() {
-            let (left, right) = (LEFT + 9.0 * index as f64, LEFT + 9.0 * (index + 1) as f64);
-            let (low, high) = (line(2.0) + 6.0, line(2.0) - 6.0);
-            let corners = [(left, low), (right, low), (right, high), (left, high)];
-            canvas.polygon(&corners, faded(AREA, *strength))?;
-        }
-        text(
-            2.0,
-            "reach at the angle of the start: distance to singularities from 0, 0.2, 0.4, 0.6",
-        )?;
+    fn legend(&self) -> Vec<Vec<(Swatch, String)>> {
+        let shades = SHADES.map(|(_, strength)| faded(AREA, strength)).into();
+        let mut entries = vec![
+            (
+                Swatch::Line(PATH, 1.6, SAMPLE),
+                "tool on, paler at less power",
+            ),
+            (Swatch::Way(FRAME), "tool off; the dot is the start"),
+            (
+                Swatch::Fields(shades),
+                "reach at the angle of the start: distance to singularities from 0, 0.2, 0.4, 0.6",
+            ),
+        ];
         if self.breach.is_some() {
-            canvas.cross((LEFT + 18.0, line(3.0)), LIMIT)?;
-            text(3.0, "here the path is refused")?;
+            entries.push((Swatch::Cross(LIMIT), "here the path is refused"));
         }
-        Ok(())
+        let rows = entries.into_iter();
+        rows.map(|(swatch, text)| vec![(swatch, text.into())])
+            .collect()
     }
 }
 
 /// Chain of worked pieces without a gap, until it is long enough to be seen.
 #[derive(Default)]
 struct Stroke {
-    points: Vec<(f64, f64)>,
+    points: Vec<[f64; 2]>,
     length: f64,
     /// Sum of length times power.
     work: f64,
 }
 
 impl Stroke {
-    fn add(&mut self, curve: &[(f64, f64)], power: f64) {
+    fn add(&mut self, curve: &[[f64; 2]], power: f64) {
         let length = curve.windows(2).map(|pair| {
-            let [(x, y), (to_x, to_y)] = [pair[0], pair[1]];
+            let [[x, y], [to_x, to_y]] = [pair[0], pair[1]];
             (to_x - x).hypot(to_y - y)
         });
         let length: f64 = length.sum();
@@ -170,21 +150,14 @@ impl Stroke {
         self.work += length * power;
     }
 
-    fn is_seen(&self) -> bool {
-        self.length >= 1.0
-    }
-
-    /// Draws the stroke, and forgets it.
-    fn draw(&mut self, canvas: &Canvas<'_>, width: f64) -> Draw {
+    /// Mark of the stroke, which is forgotten.
+    fn mark(&mut self, width: f64) -> Option<SketchMark> {
         let Self {
             points,
             length,
             work,
         } = std::mem::take(self);
-        match length > 0.0 {
-            true => canvas.line(&points, tone(work / length), width),
-            false => Ok(()),
-        }
+        (length > 0.0).then(|| SketchMark::Line(points, tone(work / length), width))
     }
 }
 
@@ -212,11 +185,4 @@ fn places(piece: &Piece<f64>) -> Vec<[f64; 2]> {
     let step = if is_line { PLACES } else { 1 };
     let indices = (0..=PLACES).step_by(step as usize);
     indices.map(|index| place(index).into()).collect()
-}
-
-fn way(canvas: &Canvas<'_>, points: &[(f64, f64)]) -> Draw {
-    for pair in points.windows(2) {
-        canvas.dashed(pair[0], pair[1], FRAME)?;
-    }
-    Ok(())
 }

@@ -1,13 +1,13 @@
 //! Figures of a job that is refused: when and where it breaks limits, as far as the machine can follow it.
 
-use super::catalogue::{PanelSource, figures};
+use super::job::DrawnJob;
 use super::machine::{self, DrawnInstant, Scenery};
-use super::marks::JobMarks;
+use crate::tick_record::AnyTick;
 use std::path::{Path, PathBuf};
 use trirrr_core::units::Units;
 use trirrr_figures::canvas::Drawn;
-use trirrr_figures::decimate::Decimator;
-use trirrr_figures::panel::{Curve, LimitLine, Panel, draw};
+use trirrr_figures::chart::{Chart, Figure, Gathering};
+use trirrr_figures::panel::{Panel, draw};
 use trirrr_scene::record::Record;
 use trirrr_scene::{JobPlayer, Scene, pipeline};
 
@@ -54,13 +54,9 @@ impl<'a> RefusedJob<'a> {
     /// Draws the curves with the breaches for `file`, and the machine at the first of them for a file beside it.
     pub(crate) fn draw(&self, file: &Path) -> [(PathBuf, Drawn); 2] {
         let name = &self.scene.name;
-        let limited = figures(self.scene.torque)
-            .flat_map(|figure| figure.panels)
-            .map(|source| (source, (source.limits)(&self.scene.limits)))
-            .filter(|(_, limits)| !limits.is_empty());
-        let panels: Vec<Panel> = limited
-            .map(|(source, limits)| self.panel(source, limits))
-            .collect();
+        let figures = DrawnJob::of(self.scene).figures().into_iter();
+        let charts = figures.flat_map(|figure| figure.charts);
+        let panels = self.panels(charts.filter(|chart| !chart.limits.is_empty()).collect());
         let is_broken = panels.iter().any(|panel| !panel.breaches.is_empty());
         let title = match &self.end {
             Some((t, status)) => format!("{name}, refused: {status} at t = {t} s"),
@@ -81,27 +77,32 @@ impl<'a> RefusedJob<'a> {
         [(file.to_owned(), curves), (beside, machine)]
     }
 
-    fn panel(&self, source: &PanelSource, limits: Vec<LimitLine>) -> Panel {
-        let curves = source.curves.iter().map(|curve| {
-            let mut points = Decimator::new(self.records.len() as u64);
-            for record in &self.records {
-                points.push(record.t, [(curve.value)(record)]);
-            }
-            let points = points.finish().into_iter();
-            Curve {
-                label: curve.label.into(),
-                points: points.map(|(t, [value])| (t, value)).collect(),
-                colour: Some(curve.colour),
-                dashed: false,
-            }
-        });
+    /// Panels of `charts`, with the breaches of their limits.
+    fn panels(&self, charts: Vec<Chart<AnyTick>>) -> Vec<Panel> {
+        let breaches: Vec<_> = charts.iter().map(|chart| self.breaches(chart)).collect();
+        let rows = self.records.iter();
+        let rows = rows.map(|record| (record.t, record as &AnyTick));
+        let mut gathering = Gathering::new(rows.len() as u64, vec![Figure::new("", "", charts)]);
+        rows.for_each(|(t, record)| gathering.push(t, record));
+        let figures = gathering.finish(&DrawnJob::of(self.scene).ends_s);
+        let panels = figures.into_iter().flat_map(|figure| figure.panels);
+        let marked = panels
+            .zip(breaches)
+            .map(|(panel, breaches)| Panel { breaches, ..panel });
+        marked.collect()
+    }
+
+    /// Times in which a curve of `chart` is beyond its limit, from and to.
+    fn breaches(&self, chart: &Chart<AnyTick>) -> Vec<(f64, f64)> {
         let mut breaches: Vec<(f64, f64)> = Vec::new();
         let mut was = false;
         for record in &self.records {
-            let values = source.curves.iter().map(|curve| (curve.value)(record));
-            let is = values
-                .enumerate()
-                .any(|(motor, value)| breaks(source, &limits, motor, value));
+            let mut values = chart
+                .series
+                .iter()
+                .map(|series| series.value(record))
+                .enumerate();
+            let is = values.any(|(motor, value)| breaks(chart, motor, value));
             match breaches.last_mut().filter(|_| is && was) {
                 Some(last) => last.1 = record.t,
                 None if is => breaches.push((record.t, record.t)),
@@ -109,18 +110,8 @@ impl<'a> RefusedJob<'a> {
             }
             was = is;
         }
-        if let Some((t, _)) = self.end {
-            breaches.push((t, t));
-        }
-        Panel {
-            quantity: source.quantity,
-            unit: source.unit,
-            from_zero: source.from_zero,
-            curves: curves.collect(),
-            limits,
-            breaches,
-            marks: JobMarks::of(self.scene).ends_s,
-        }
+        breaches.extend(self.end.iter().map(|(t, _)| (*t, *t)));
+        breaches
     }
 
     fn scenery(&self, panels: &[Panel]) -> Scenery {
@@ -133,12 +124,12 @@ impl<'a> RefusedJob<'a> {
                 .iter()
                 .any(|(from, to)| (*from..=*to).contains(&record.t))
         };
-        let place = |record: &Record| (record.pose[0], record.pose[1]);
+        let place = |record: &Record| [record.pose[0], record.pose[1]];
         let stretches = self
             .records
             .chunk_by(|one, other| is_broken(one) == is_broken(other));
         let broken = stretches.filter(|stretch| is_broken(&stretch[0]));
-        let mut broken: Vec<Vec<(f64, f64)>> = broken
+        let mut broken: Vec<Vec<[f64; 2]>> = broken
             .map(|stretch| stretch.iter().map(place).collect())
             .collect();
         // Where the machine cannot follow, the last place is where it stops.
@@ -149,7 +140,8 @@ impl<'a> RefusedJob<'a> {
         let last = self.records.last().filter(|_| first.is_none());
         let start = self.records.first();
         let instants = start.into_iter().chain(first).chain(last);
-        let mut instants: Vec<DrawnInstant> = instants.map(DrawnInstant::from).collect();
+        let instant = |record: &Record| DrawnInstant::from(record as &AnyTick);
+        let mut instants: Vec<DrawnInstant> = instants.map(instant).collect();
         instants.dedup();
         Scenery {
             instants,
@@ -161,11 +153,11 @@ impl<'a> RefusedJob<'a> {
 }
 
 /// Returns `true` if `value` of the curve `motor` is beyond its limit: the largest size, or the least distance.
-fn breaks(source: &PanelSource, limits: &[LimitLine], motor: usize, value: f64) -> bool {
+fn breaks(chart: &Chart<AnyTick>, motor: usize, value: f64) -> bool {
     // One line for all curves, or one for each.
-    let limit = limits.get(motor).or_else(|| limits.first());
+    let limit = chart.limits.get(motor).or_else(|| chart.limits.first());
     let limit = limit.and_then(|line| line.values.first());
-    limit.is_some_and(|limit| match source.from_zero {
+    limit.is_some_and(|limit| match chart.from_zero {
         true => value < *limit,
         false => value.abs() > *limit,
     })
@@ -181,11 +173,10 @@ mod tests {
         let mut scene = Scene::parse(text, "vertical.toml").unwrap();
         scene.limits.torque_nm = Some([9.0, 9.0, 2.45]);
         let job = RefusedJob::of(&scene).unwrap();
-        let limits = |panel: &PanelSource| (panel.limits)(&scene.limits);
-        let panels = figures(true).flat_map(|figure| figure.panels);
-        let torque = panels.into_iter().find(|panel| panel.quantity == "torque");
-        let torque = torque.unwrap();
-        let panel = job.panel(torque, limits(torque));
+        let figures = DrawnJob::of(&scene).figures().into_iter();
+        let mut charts = figures.flat_map(|figure| figure.charts);
+        let torque = charts.find(|chart| chart.quantity == "torque").unwrap();
+        let panel = job.panels(vec![torque]).remove(0);
         assert!(!panel.breaches.is_empty());
         for (t, value) in &panel.curves[2].points {
             let is_marked = panel

@@ -2,6 +2,7 @@
 
 use crate::arguments::{DEFAULT_SCENE, SetArgs, factor, number_type};
 use crate::failure::CliError;
+use crate::numbers;
 use crate::stream::{PortArgs, patience};
 use clap::Args;
 use std::path::PathBuf;
@@ -50,8 +51,7 @@ impl MachineArgs {
         &self,
         scene: &Scene,
     ) -> Result<(Port, Units, Patience), CliError> {
-        let units = trirrr_scene::units::<N>(scene)
-            .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
+        let units = numbers::units::<N>(scene)?;
         let wait = Duration::from_secs_f64(self.patience);
         let port = self.line.open(Retry::For(wait))?;
         Ok((port, units, patience(wait)))

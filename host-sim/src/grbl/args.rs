@@ -42,7 +42,7 @@ pub struct GrblArgs {
     #[arg(long, value_parser = number_type())]
     pub scalar: Option<NumberType>,
     /// Distance by which a corner may be rounded, mm; 0: the machine stops at each
-    #[arg(long, value_name = "MM", default_value_t = 0.01, value_parser = crate::job_file::distance)]
+    #[arg(long, value_name = "MM", default_value_t = 0.01, value_parser = crate::arguments::distance)]
     pub corner: f64,
     /// Leave out words of Z: the machine has no such axis
     #[arg(long)]

@@ -24,6 +24,7 @@ use crate::dialogue::{carry, reopening};
 use crate::failure::CliError;
 use crate::goals::MachineArgs;
 use crate::machine::require_mounted;
+use crate::numbers;
 use crate::stream::{PortArgs, conversation, patience};
 use crate::terminal::{print_line, say};
 use driver::{MachineDriver, place_of};
@@ -118,7 +119,7 @@ fn serve<N: ServiceNumber>(
     stop: &AtomicBool,
 ) -> Result<(), CliError> {
     let refused = |why: String| CliError::Refused(format!("scene {}: {why}", scene.name));
-    let units = trirrr_scene::units::<N>(scene).map_err(|error| refused(error.to_string()))?;
+    let units = numbers::units::<N>(scene)?;
     let reach = SceneReach::new(scene).map_err(CliError::Refused)?;
     let map = ReachMap::new(scene, &scene.job.start).map_err(|error| refused(error.to_string()))?;
     let facts = MachineFacts {

@@ -77,7 +77,7 @@ pub fn command(args: &IdentifyArgs) -> Result<(), CliError> {
     written
         .files
         .push(results.write("identification.json", json)?);
-    results.end(Ok(()))?;
+    results.end(None)?;
     show(document.files(written.files), args.json)
 }
 

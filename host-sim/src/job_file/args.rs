@@ -2,6 +2,7 @@
 
 use super::drawing_args::DrawingArgs;
 use super::image_args::ImageArgs;
+use super::kind::JobKind;
 use crate::arguments::SetArgs;
 use clap::Args;
 use std::path::PathBuf;
@@ -21,7 +22,7 @@ pub struct JobFileArgs {
     #[arg(long, value_name = "X,Y[,ALPHA]", requires = "machine", value_parser = origin)]
     pub origin: Option<[f64; 3]>,
     /// Distance by which a corner may be rounded, mm; 0: the machine stops at each. `G64 P` of the file goes before it
-    #[arg(long, value_name = "MM", requires = "machine", default_value_t = 0.01, value_parser = distance)]
+    #[arg(long, value_name = "MM", requires = "machine", default_value_t = 0.01, value_parser = crate::arguments::distance)]
     pub corner: f64,
     /// S for the full power of the tool
     #[arg(long, value_name = "S", requires = "machine", default_value_t = 1000.0, value_parser = crate::arguments::factor)]
@@ -73,6 +74,15 @@ impl JobFileArgs {
             drawing: self.drawing.options(),
         }
     }
+
+    /// First argument that is given and not for a file of this `kind`.
+    pub(super) fn not_for(&self, kind: JobKind) -> Option<&'static str> {
+        let of_images = self.image.given().map(|name| (name, &[JobKind::Image][..]));
+        let mut given = self.drawing.given().chain(of_images);
+        given
+            .find(|(_, kinds)| !kinds.contains(&kind))
+            .map(|(name, _)| name)
+    }
 }
 
 pub(crate) fn origin(text: &str) -> Result<[f64; 3], String> {
@@ -87,13 +97,6 @@ pub(crate) fn origin(text: &str) -> Result<[f64; 3], String> {
         [x, y] => Ok([x, y, 0.0]),
         [x, y, alpha] => Ok([x, y, alpha]),
         _ => Err("expected X,Y or X,Y,ALPHA: mm and degrees, with a decimal point".into()),
-    }
-}
-
-pub(crate) fn distance(text: &str) -> Result<f64, String> {
-    match text.parse() {
-        Ok(value) if (0.0..=100.0).contains(&value) => Ok(value),
-        _ => Err("expected a distance from 0 to 100 (mm)".into()),
     }
 }
 

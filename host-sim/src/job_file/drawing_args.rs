@@ -1,6 +1,6 @@
 //! Arguments that say what a drawing, an image or a table of poses leaves open.
 
-use super::JobKind;
+use super::kind::JobKind;
 use crate::arguments::factor;
 use clap::Args;
 use trirrr_jobs::{DrawingOptions, PenOption};

@@ -1,7 +1,6 @@
 //! Arguments that say what a raster image leaves open.
 
-use super::distance;
-use crate::arguments::factor;
+use crate::arguments::{distance, factor};
 use clap::Args;
 #[cfg(feature = "full")]
 use trirrr_toolpath::raster::Tones;

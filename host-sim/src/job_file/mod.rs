@@ -5,24 +5,24 @@ mod drawing_args;
 #[cfg(feature = "full")]
 mod image;
 mod image_args;
+mod kind;
 mod long;
 mod queue;
 mod read;
 
 pub use args::JobFileArgs;
-pub(crate) use args::{distance, origin};
+pub(crate) use args::origin;
 pub use drawing_args::{DrawingArgs, PenArg};
 pub use image_args::ImageArgs;
 use long::LongPath;
-use read::{JobKind, ReadWay};
+use read::ReadWay;
 
 pub(crate) use queue::{QueuedJob, load_queue};
 
 use crate::failure::CliError;
 use crate::figures::{Preview, RefusedJob};
 use crate::results::{unwritable, write_named};
-use crate::terminal::say;
-use indicatif::{ProgressBar, ProgressStyle};
+use crate::terminal::{bar, say};
 use std::io;
 use std::path::{Path, PathBuf};
 use trirrr_figures::canvas::Drawn;
@@ -180,10 +180,7 @@ fn load_for(
 /// Gives `scene` the job of a long file, with a bar on a terminal.
 fn take_long(scene: &mut Scene, path: &LongPath) -> Result<(), UntakenJob<PathFault>> {
     let file = tempfile::tempfile().map_err(UntakenJob::Spool)?;
-    let bar = ProgressBar::new(path.elements());
-    if let Ok(style) = ProgressStyle::with_template("planning {wide_bar} {percent:>3} %") {
-        bar.set_style(style);
-    }
+    let bar = bar(path.elements(), "planning {wide_bar} {percent:>3} %");
     let blocks = path.blocks().inspect(|block| {
         if let Ok(block) = block {
             bar.set_position(block.first() as u64);

@@ -2,6 +2,7 @@
 
 #[cfg(feature = "full")]
 use super::image;
+use super::kind::JobKind;
 use super::long::LongPath;
 use super::{JobFileArgs, LongMoves};
 use crate::failure::CliError;
@@ -54,46 +55,6 @@ impl From<ReadJob> for ReadPath {
     }
 }
 
-/// Kind of a job's file.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum JobKind {
-    Gcode,
-    Table,
-    Drawing,
-    Image,
-}
-
-impl JobKind {
-    /// Kind of `file`, by its extension.
-    fn of(file: &Path) -> Self {
-        let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
-        match extension.to_str().unwrap_or_default() {
-            "svg" | "dxf" => Self::Drawing,
-            "png" | "jpg" | "jpeg" | "bmp" => Self::Image,
-            "csv" => Self::Table,
-            _ => Self::Gcode,
-        }
-    }
-
-    fn name(self) -> &'static str {
-        match self {
-            Self::Gcode => "G-code",
-            Self::Table => "a table",
-            Self::Drawing => "a drawing",
-            Self::Image => "an image",
-        }
-    }
-
-    /// First argument that is given and not for this kind.
-    fn not_for_it(self, args: &JobFileArgs) -> Option<&'static str> {
-        let of_images = args.image.given().map(|name| (name, &[Self::Image][..]));
-        let mut given = args.drawing.given().chain(of_images);
-        given
-            .find(|(_, kinds)| !kinds.contains(&self))
-            .map(|(name, _)| name)
-    }
-}
-
 /// Looks whether this program reads files as `file`.
 ///
 /// # Errors
@@ -119,7 +80,7 @@ pub(super) fn read(
     let name = file.display();
     let refused = |error: io::Error| CliError::Refused(format!("{name}: cannot be read: {error}"));
     let kind = JobKind::of(file);
-    if let Some(argument) = kind.not_for_it(args) {
+    if let Some(argument) = args.not_for(kind) {
         let reason = format!(
             "{name}: {argument} is not for {}; leave it out",
             kind.name()

@@ -87,7 +87,7 @@ pub(super) fn command(
     for (name, drawn) in inverse_files(linkage, &arm, &branches) {
         results.figure(name, drawn)?;
     }
-    results.end(Ok(()))?;
+    results.end(None)?;
     let mut document = document(linkage, &arm, end, &branches);
     show(document.files(results.files()), args.json)
 }

@@ -77,7 +77,7 @@ pub fn command(args: &LinkageArgs) -> Result<(), CliError> {
     // No position is a result too: those of an earlier linkage must not stand for it.
     results.begin()?;
     let why = track.stop.as_ref().map(|stop| stopped(&linkage, stop));
-    results.end(why.as_deref().map_or(Ok(()), Err))?;
+    results.end(why.as_deref())?;
     let figures = study(&linkage, &track);
     let text = match args.json {
         true => format!("{:#}\n", json::as_json(&linkage, &track, &figures)),

@@ -4,7 +4,7 @@ use super::settled;
 use super::talk::Talk;
 use crate::failure::CliError;
 use crate::goals::MachineArgs;
-use crate::numbers::in_boards_numbers;
+use crate::numbers::{in_boards_numbers, units};
 use crate::terminal::print;
 use clap::Args;
 use std::sync::atomic::AtomicBool;
@@ -52,8 +52,7 @@ pub fn probe(args: &ProbeArgs, stop: &AtomicBool) -> Result<(), CliError> {
     in_boards_numbers(args.machine.scalar, scene.number, |number| {
         in_number_type!(number, N => {
             let mut talk = Talk::<N>::open(&args.machine, &scene, stop)?;
-            let units = trirrr_scene::units::<N>(&scene)
-                .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
+            let units = units::<N>(&scene)?;
             let [x, y, alpha] = [0, 1, 2].map(|i| args.to.get(i).copied().unwrap_or_default());
             let to = offer::pose(&units.pose(&Pose::from_f64(x, y, alpha)));
             let ticks = (args.seconds * scene.tick_rate_hz).ceil().clamp(1.0, f64::from(u32::MAX));

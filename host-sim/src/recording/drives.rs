@@ -1,13 +1,14 @@
 //! `drives.csv` and its figure: what the drives tell, beside what they are told.
 
 use crate::failure::CliError;
-use crate::figures::DriveTraces;
+use crate::figures::{self, drive_figure};
 use crate::results::{ResultFolder, unwritable};
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use trirrr_client::describe::Units;
 use trirrr_client::drive_records::{DriveRecord, DriveSamples};
+use trirrr_figures::chart::Gathering;
 use trirrr_figures::document::Facts;
 use trirrr_protocol::message::{DriveSample, Telemetry, Transmit};
 use trirrr_scene::Scene;
@@ -18,7 +19,7 @@ pub struct DriveRecorder<N: Transmit> {
     samples: DriveSamples<N>,
     path: PathBuf,
     table: BufWriter<File>,
-    traces: DriveTraces,
+    figure: Gathering<DriveRecord>,
     peaks: DrivePeaks,
 }
 
@@ -64,16 +65,17 @@ impl<N: Transmit> DriveRecorder<N> {
             return Ok(None);
         };
         let (path, file) = results.table("drives.csv")?;
-        results.claim([DriveTraces::FILE])?;
         let mut table = BufWriter::new(file);
         writeln!(table, "{}", DriveRecord::COLUMNS).map_err(|error| unwritable(&path, &error))?;
         let rows = u64::from(scene.ticks()) / u64::from(every.max(1)) + 1;
         let force_n = scene.torque.then_some(0.0);
+        let figure = drive_figure(rows, scene.torque);
+        results.claim(figure.names())?;
         Ok(Some(Self {
             samples,
             path,
             table,
-            traces: DriveTraces::new(rows, scene.torque),
+            figure,
             peaks: DrivePeaks {
                 force_n,
                 ..DrivePeaks::default()
@@ -103,7 +105,7 @@ impl<N: Transmit> DriveRecorder<N> {
         while let Some(record) = self.samples.next_record() {
             writeln!(self.table, "{}", record.row())
                 .map_err(|error| unwritable(&self.path, &error))?;
-            self.traces.push(&record);
+            self.figure.push(record.t, &record);
             self.peaks.add(&record);
         }
         Ok(())
@@ -123,7 +125,7 @@ impl<N: Transmit> DriveRecorder<N> {
             .map_err(|error| unwritable(&self.path, &error))?;
         let mut files = vec![self.path];
         if self.peaks.rows > 0 {
-            files.push(self.traces.write(results, name)?);
+            files.extend(figures::write(results, name, &self.figure.finish(&[]))?);
         }
         Ok(RecordedDrives {
             peaks: self.peaks,

@@ -1,6 +1,6 @@
-//! What a job asks of the motors as a whole: heat and work.
+//! Loads of the motors over a whole job: heat and work.
 
-use trirrr_scene::record::Record;
+use crate::tick_record::AnyTick;
 
 /// Load of one motor over a job.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -14,43 +14,50 @@ pub struct MotorLoad {
 }
 
 /// Sums up the loads, by the trapezoidal rule between records.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct LoadMeter {
-    last: Option<Record>,
+    /// Time and, of each motor, torque and power of the last record.
+    last: Option<(f64, Vec<[f64; 2]>)>,
     /// N^2 m^2 s, J, J.
-    sums: [[f64; 3]; 3],
+    sums: Vec<[f64; 3]>,
     time_s: f64,
 }
 
 impl LoadMeter {
     /// Takes the next record.
-    pub(super) fn push(&mut self, record: &Record) {
+    pub(super) fn push(&mut self, record: &AnyTick) {
+        let new: Vec<_> = record
+            .each_leg()
+            .map(|leg| [leg.torque, leg.power])
+            .collect();
+        self.sums.resize(new.len(), [0.0; 3]);
         // A record behind a gap, or of another stream, has no step to it.
-        if let Some(last) = self.last
-            && record.t > last.t
+        if let Some((t, old)) = &self.last
+            && record.t() > *t
         {
-            let step_s = record.t - last.t;
+            let step_s = record.t() - t;
             self.time_s += step_s;
-            for (sums, (old, new)) in self.sums.iter_mut().zip(last.legs.iter().zip(&record.legs)) {
-                let mean =
-                    |value: fn(f64) -> f64, of: [f64; 2]| of.map(value).iter().sum::<f64>() / 2.0;
-                sums[0] += step_s * mean(|torque| torque * torque, [old.torque, new.torque]);
-                sums[1] += step_s * mean(|power| power.max(0.0), [old.power, new.power]);
-                sums[2] += step_s * mean(|power| (-power).max(0.0), [old.power, new.power]);
+            let mean = |value: fn(f64) -> f64, of: [f64; 2]| (value(of[0]) + value(of[1])) / 2.0;
+            for (sums, (old, new)) in self.sums.iter_mut().zip(old.iter().zip(&new)) {
+                let [torques, powers] = [0, 1].map(|index| [old[index], new[index]]);
+                sums[0] += step_s * mean(|torque| torque * torque, torques);
+                sums[1] += step_s * mean(|power| power.max(0.0), powers);
+                sums[2] += step_s * mean(|power| (-power).max(0.0), powers);
             }
         }
-        self.last = Some(*record);
+        self.last = Some((record.t(), new));
     }
 
     /// Loads up to now.
-    pub(super) fn loads(&self) -> [MotorLoad; 3] {
-        self.sums.map(|[squares, given_j, returned_j]| MotorLoad {
+    pub(super) fn loads(&self) -> Vec<MotorLoad> {
+        let load = |[squares, given_j, returned_j]: &[f64; 3]| MotorLoad {
             rms_torque_nm: match self.time_s > 0.0 {
                 true => (squares / self.time_s).sqrt(),
                 false => 0.0,
             },
-            given_j,
-            returned_j,
-        })
+            given_j: *given_j,
+            returned_j: *returned_j,
+        };
+        self.sums.iter().map(load).collect()
     }
 }

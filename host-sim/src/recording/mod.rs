@@ -1,23 +1,23 @@
 //! Table, figures and peaks of a job, from the records of a run or of a board.
 
 mod drives;
+mod lagrange;
 mod load;
 mod peaks;
 
 pub use drives::{DrivePeaks, DriveRecorder, RecordedDrives};
+pub use lagrange::{LagrangeColumns, LagrangeFound};
 pub use load::MotorLoad;
-pub use peaks::{At, MotorPeaks, Peaks};
+pub use peaks::{At, LoadPeaks, MotorPeaks, Peaks, SliderPeaks};
 
 use crate::failure::CliError;
-use crate::figures;
-use crate::figures::{JobMarks, MotorCurves, Traces};
-use crate::lagrange::{LagrangeColumns, LagrangeFound};
+use crate::figures::{DrawnJob, MotorCurves, Traces};
 use crate::results::{ResultFolder, unwritable};
+use crate::tick_record::AnyTick;
 use load::LoadMeter;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::PathBuf;
-use trirrr_scene::record::{Record, tick_columns};
 use trirrr_scene::words::tick_time;
 
 /// Writes the records of one job.
@@ -45,7 +45,7 @@ pub struct Recorded {
     /// Extremes of the motion. `None` without a record.
     pub peaks: Option<Peaks>,
     /// Loads of the motors.
-    pub loads: [MotorLoad; 3],
+    pub loads: Vec<MotorLoad>,
     /// Differences from Lagrange's equations, if they were asked for.
     pub lagrange: Option<LagrangeFound>,
     /// Written files, the table first.
@@ -58,36 +58,35 @@ pub struct Recorded {
 const TABLE: &str = "ticks.csv";
 
 impl Recorder {
-    /// Names of the files that are written for a scene with `torque` or without.
-    pub fn names(torque: bool) -> impl Iterator<Item = &'static str> {
-        std::iter::once(TABLE).chain(figures::names(torque))
+    /// Names of the files that are written for a `job`.
+    pub fn names(job: &DrawnJob) -> Vec<&'static str> {
+        let figures = Traces::new(0, job.clone());
+        std::iter::once(TABLE).chain(figures.names()).collect()
     }
 
-    /// Prepares `ticks.csv` in the folder of `results` for a job of `ticks` records; the first record
-    /// begins the results. `marks` stand in the figures. A scene without `torque` gets neither columns nor figures of torques and
-    /// powers. The columns of `lagrange` come last.
+    /// Prepares `ticks.csv` in the folder of `results` for a `job` of `ticks` records; the first record
+    /// begins the results. The columns of `lagrange` come last.
     ///
     /// # Errors
     /// Failed: the table cannot be written.
     pub fn create(
         mut results: ResultFolder,
         ticks: u64,
-        torque: bool,
-        marks: JobMarks,
+        job: DrawnJob,
         lagrange: Option<LagrangeColumns>,
     ) -> Result<Self, CliError> {
-        results.claim(Self::names(torque))?;
+        results.claim(Self::names(&job))?;
         let (path, file) = results.table(TABLE)?;
         let mut table = BufWriter::new(file);
-        let mut columns: Vec<String> = tick_columns(torque).map(str::to_owned).collect();
+        let mut columns = job.columns.clone();
         columns.extend(lagrange.iter().flat_map(LagrangeColumns::names));
         writeln!(table, "{}", columns.join(",")).map_err(|error| unwritable(&path, &error))?;
         Ok(Self {
             results,
             path,
             table,
-            torque,
-            traces: Traces::new(ticks, torque, marks),
+            torque: job.torque,
+            traces: Traces::new(ticks, job),
             peaks: None,
             load: LoadMeter::default(),
             lagrange,
@@ -108,14 +107,14 @@ impl Recorder {
     ///
     /// # Errors
     /// Failed: the table cannot be written.
-    pub fn record(&mut self, record: &Record) -> Result<(), CliError> {
+    pub fn record(&mut self, record: &AnyTick) -> Result<(), CliError> {
         self.results.begin()?;
         if self.rows.is_multiple_of(self.every) {
             let of_lagrange = self.lagrange.as_mut();
             let of_lagrange = of_lagrange.map_or_else(Vec::new, |columns| columns.row(record));
             table_line(
                 &mut self.line,
-                record.tick_row(self.torque).chain(of_lagrange),
+                record.row(self.torque).into_iter().chain(of_lagrange),
             );
             self.table
                 .write_all(self.line.as_bytes())
@@ -152,7 +151,7 @@ impl Recorder {
             let nothing = Recorded {
                 rows: 0,
                 peaks: None,
-                loads: Default::default(),
+                loads: Vec::new(),
                 lagrange: None,
                 files: Vec::new(),
                 motors: MotorCurves::default(),
@@ -162,11 +161,11 @@ impl Recorder {
         self.table
             .flush()
             .map_err(|error| unwritable(&self.path, &error))?;
-        let heading = match self.traces.last() {
-            Some(last) if !is_complete => format!("{name} until t = {} s", tick_time(last.t)),
+        let heading = match self.traces.last_s() {
+            Some(last) if !is_complete => format!("{name} until t = {} s", tick_time(last)),
             _ => name.into(),
         };
-        let (figures, motors) = figures::write_all(&mut self.results, &heading, self.traces)?;
+        let (figures, motors) = self.traces.write(&mut self.results, &heading)?;
         let recorded = Recorded {
             rows: self.rows,
             peaks: self.peaks,

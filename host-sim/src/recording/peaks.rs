@@ -1,6 +1,10 @@
 //! The extremes of a run.
 
-use trirrr_scene::record::{LegRecord, Record};
+use crate::tick_record::AnyTick;
+use trirrr_figures::document::Facts;
+use trirrr_linkage::redundant::scene::RedundantRecord;
+use trirrr_scene::record::LegRecord;
+use trirrr_scene::words::tick_time;
 
 /// A value and when it occurred.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +16,15 @@ pub struct At {
 }
 
 impl At {
+    /// Value and its time.
+    pub(crate) fn facts(self) -> Facts {
+        let time = format!("{} s", tick_time(self.t));
+        Facts::new()
+            .pair("value", "", self.value)
+            .pair("t_s", "at t =", self.t)
+            .words(time)
+    }
+
     /// Takes a later value in, if its size is greater.
     pub(crate) fn grow(&mut self, new: At) {
         if new.value.abs() > self.value.abs() {
@@ -38,6 +51,72 @@ pub struct MotorPeaks {
     pub power: At,
 }
 
+/// Greatest sizes at one slider, each with its sign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SliderPeaks {
+    /// Leg of the slider, from 0.
+    pub leg: usize,
+    /// m/s.
+    pub velocity: At,
+    /// N.
+    pub force: At,
+    /// W.
+    pub power: At,
+}
+
+/// Extremes that only records of redundant machines have.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadPeaks {
+    /// Those of the sliders.
+    pub sliders: Vec<SliderPeaks>,
+    /// Greatest norm of the motor torques, N m.
+    pub norm: At,
+    /// The same without preload.
+    pub least_norm: At,
+    /// Leg, from 0, with the greatest force in a joint, N.
+    pub joint: (usize, At),
+}
+
+impl LoadPeaks {
+    fn new(record: &RedundantRecord) -> Self {
+        let at = |value| At { value, t: record.t };
+        let legs = || record.legs.iter().enumerate();
+        let sliders = legs().filter_map(|(leg, own)| {
+            let slider = own.slider?;
+            Some(SliderPeaks {
+                leg,
+                velocity: at(slider.velocity),
+                force: at(slider.force),
+                power: at(slider.power),
+            })
+        });
+        let joints = legs().map(|(leg, own)| {
+            let sizes = own.joints.map(|[x, y]| x.hypot(y));
+            (leg, at(sizes.into_iter().fold(0.0, f64::max)))
+        });
+        let joint = joints.max_by(|(_, one), (_, other)| one.value.total_cmp(&other.value));
+        Self {
+            sliders: sliders.collect(),
+            norm: at(record.torque_norm()),
+            least_norm: at(record.least_norm()),
+            joint: joint.unwrap_or((0, at(0.0))),
+        }
+    }
+
+    fn merge(&mut self, new: &Self) {
+        for (old, new) in self.sliders.iter_mut().zip(&new.sliders) {
+            old.velocity.grow(new.velocity);
+            old.force.grow(new.force);
+            old.power.grow(new.power);
+        }
+        self.norm.grow(new.norm);
+        self.least_norm.grow(new.least_norm);
+        if new.joint.1.value > self.joint.1.value {
+            self.joint = new.joint;
+        }
+    }
+}
+
 /// Extremes of a motion, for the summary of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Peaks {
@@ -47,34 +126,25 @@ pub struct Peaks {
     pub serial: Vec<At>,
     /// Least distance to the parallel singularity.
     pub parallel: At,
+    /// More of a redundant machine.
+    pub loads: Option<LoadPeaks>,
 }
 
 impl Peaks {
     /// The peaks of a single record.
-    pub fn new(record: &Record) -> Self {
-        Self::of_legs(record.t, &record.legs, record.parallel)
-    }
-
-    /// Values at the time `t`, s.
-    pub(crate) fn of_legs<'r>(
-        t: f64,
-        legs: impl IntoIterator<Item = &'r LegRecord>,
-        parallel: f64,
-    ) -> Self {
+    pub fn new(record: &AnyTick) -> Self {
+        let t = record.t();
         let at = |value| At { value, t };
-        let leg = |leg: &LegRecord| {
-            let motor = MotorPeaks {
-                rate: at(leg.dth1),
-                torque: at(leg.torque),
-                power: at(leg.power),
-            };
-            (motor, at(leg.serial))
+        let motor = |leg: &LegRecord| MotorPeaks {
+            rate: at(leg.dth1),
+            torque: at(leg.torque),
+            power: at(leg.power),
         };
-        let (motors, serial) = legs.into_iter().map(leg).unzip();
         Self {
-            motors,
-            serial,
-            parallel: at(parallel),
+            motors: record.each_leg().map(motor).collect(),
+            serial: record.each_leg().map(|leg| at(leg.serial)).collect(),
+            parallel: at(record.parallel()),
+            loads: record.redundant().map(LoadPeaks::new),
         }
     }
 
@@ -89,12 +159,16 @@ impl Peaks {
             old.fall(*new);
         }
         self.parallel.fall(new.parallel);
+        if let (Some(old), Some(new)) = (&mut self.loads, &new.loads) {
+            old.merge(new);
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use trirrr_scene::record::Record;
 
     #[test]
     fn peaks_keep_sign_and_time() {

@@ -1,14 +1,12 @@
 //! Checks and runs of redundant machines as documents.
 
-use super::peaks::RedundantPeaks;
-use super::plant::SimulatedMachine;
 use super::play::RedundantReport;
 use super::{kind_text, placement_text, slider_texts};
-use crate::run::JobEnd;
-use crate::run::document::{RunOutcome, add_lagrange, add_peaks, at, signal};
+use crate::run::document::{RunScene, document, signal};
 use std::path::Path;
 use trirrr_figures::document::{Document, Facts, digits, quantity};
 use trirrr_linkage::redundant::scene::RedundantScene;
+use trirrr_plant::redundant::RedundantOutcome;
 use trirrr_scene::words::{counted, tick_time};
 
 /// Kind of the machine, and its sliders at the start of the job.
@@ -69,85 +67,36 @@ pub(super) fn checked(scene: &RedundantScene) -> Document {
 
 /// The run of `scene`, read from `file`.
 pub(super) fn played(file: &Path, scene: &RedundantScene, report: &RedundantReport) -> Document {
-    let end = match report.is_complete {
-        true => JobEnd::Complete,
-        false => JobEnd::Stopped,
-    };
-    let played = RunOutcome {
+    let texts: Vec<String> = machine_texts(scene).collect();
+    let head = Facts::new().data("number", "f64").text("machine", texts);
+    let played = RunScene {
         name: &scene.name,
         description: &scene.description,
         file,
         moves: scene.job.moves.len(),
         ticks: scene.ticks(),
         rate_hz: scene.tick_rate_hz,
-        setpoints: report.rows,
-        elapsed: report.elapsed,
-        computation: &report.computation,
-        deadlines: report.deadlines.as_ref(),
-        end: &end,
+        torque: true,
+        head: head.and(machine(scene)),
+        hold: None,
     };
-    let mut document = Document::new();
-    let head = played
-        .scene()
-        .data("number", "f64")
-        .text("machine", machine_texts(scene).collect::<Vec<_>>());
-    document.pairs(head.and(machine(scene)).and(played.job(None)));
-    match &report.peaks {
-        Some(peaks) => add_peaks(&mut document, &peaks.machine, true, &[], |document| {
-            add_redundant(document, peaks);
-        }),
-        None => {
-            document.data("motors", ());
-        }
-    }
-    add_lagrange(&mut document, report.lagrange.as_ref());
-    document.pairs(played.times());
+    let mut document = document(played, report);
     match &report.plant {
-        Some(simulated) => document.pairs_in("plant", plant(scene, simulated)),
+        Some(simulated) => document.pairs_in("plant", plant(scene, &simulated.outcome)),
         None => document.data("plant", ()),
     };
     document.files(report.all_files());
     document
 }
 
-/// Extremes that a 3-RRR does not have.
-fn add_redundant(document: &mut Document, peaks: &RedundantPeaks) {
-    let sliders = peaks.sliders.iter().map(|slider| {
-        let number = slider.leg + 1;
-        Facts::new()
-            .pair("leg", "", number)
-            .words(format!("slider {number}"))
-            .group("peak_velocity_m_s", "peak velocity", at(slider.velocity))
-            .group("peak_force_n", "peak force", at(slider.force))
-            .group("peak_power_w", "peak power", at(slider.power))
-    });
-    document.table("slider_peaks", sliders.collect());
-    let (leg, joint) = peaks.joint;
-    let is_loaded = peaks.norm.value > peaks.least_norm.value * (1.0 + 1e-9);
-    let least = at(peaks.least_norm);
-    let without = is_loaded.then(|| format!("without preload {}", least.line_in(Some("N m"))));
-    document.pairs(
-        Facts::new()
-            .group("torque_norm_max_nm", "torque norm", at(peaks.norm))
-            .text("", without)
-            .data("torque_norm_max_without_preload_nm", least)
-            .group(
-                "joint_force_max_n",
-                "joint force",
-                at(joint).text("leg", (leg + 1).to_string()),
-            ),
-    );
-}
-
-fn plant(scene: &RedundantScene, simulated: &SimulatedMachine) -> Facts {
-    let outcome = &simulated.outcome;
+fn plant(scene: &RedundantScene, outcome: &RedundantOutcome) -> Facts {
     let steps = outcome.steps;
     let (label, end) = match &outcome.failure {
         Some(failure) => ("  failed", failure.clone()),
         None if outcome.is_stopped => ("  stopped", "by Ctrl-C".into()),
         None => ("", String::new()),
     };
-    let legs = (0..scene.legs.len()).filter(|&leg| scene.sliders[leg].is_some());
+    let legs = scene.slider_legs().into_iter();
     let torques = (1..)
         .zip(&outcome.torques)
         .map(|(leg, own): (usize, _)| ("  motor", leg, "N m", own));

@@ -5,10 +5,8 @@
 
 mod check;
 mod document;
-mod peaks;
 mod plant;
 mod play;
-mod record;
 
 pub use check::check;
 pub use play::run;

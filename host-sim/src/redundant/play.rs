@@ -1,43 +1,25 @@
 //! `trirrr run` for a redundant machine.
 
 use super::document::played;
-use super::peaks::RedundantPeaks;
-use super::plant::{SimulatedMachine, claim_plant, simulate_plant};
+use super::plant::{plant_table, simulate_plant};
 use super::read;
-use super::record::RedundantRecorder;
 use crate::failure::CliError;
+use crate::figures::DrawnJob;
 use crate::histogram::Histogram;
-use crate::lagrange::{LagrangeColumns, LagrangeFound};
-use crate::realtime::{Deadlines, Pacer};
+use crate::realtime::Pacer;
+use crate::recording::{LagrangeColumns, Recorder};
 use crate::results::ResultFolder;
-use crate::run::{JobEnd, RunArgs};
+use crate::run::{JobEnd, RunArgs, RunReport, RunResult};
 use crate::terminal::show;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 use trirrr_linkage::redundant::scene::{RedundantPlayer, RedundantScene};
+use trirrr_plant::redundant::RedundantOutcome;
 use trirrr_scene::NumberType;
 
 /// Result of a run.
-pub(super) struct RedundantReport {
-    pub(super) is_complete: bool,
-    pub(super) rows: u64,
-    pub(super) elapsed: Duration,
-    pub(super) computation: Histogram,
-    pub(super) deadlines: Option<Deadlines>,
-    pub(super) peaks: Option<RedundantPeaks>,
-    pub(super) lagrange: Option<LagrangeFound>,
-    pub(super) plant: Option<SimulatedMachine>,
-    pub(super) files: Vec<PathBuf>,
-}
-
-impl RedundantReport {
-    /// Files of the job and of the plant.
-    pub(super) fn all_files(&self) -> Vec<PathBuf> {
-        let of_plant = self.plant.iter().flat_map(|plant| &plant.files);
-        self.files.iter().chain(of_plant).cloned().collect()
-    }
-}
+pub(super) type RedundantReport = RunReport<RedundantOutcome>;
 
 /// Plays the job of the scene, and its plant if it has one; prints the summary. `stop` ends the run early.
 ///
@@ -53,15 +35,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
     };
     let report = play(&scene, args, &folder, stop)?;
     show(&played(&args.scene, &scene, &report), args.json)?;
-    let plant = report.plant.as_ref().map(|plant| &plant.outcome);
-    let failure = plant.and_then(|outcome| outcome.failure.as_ref());
-    match failure {
-        Some(failure) => Err(CliError::Failed(format!("plant: {failure}"))),
-        None if !report.is_complete || plant.is_some_and(|outcome| outcome.is_stopped) => {
-            Ok(JobEnd::Stopped)
-        }
-        None => Ok(JobEnd::Complete),
-    }
+    report.end()
 }
 
 /// Refuses what a redundant machine has not.
@@ -89,22 +63,24 @@ fn play(
         .pipeline()
         .map_err(|error| CliError::Refused(format!("scene {}: {error}", scene.name)))?;
     let player = RedundantPlayer::new(scene);
-    let mut results = ResultFolder::for_command(folder, "run")?;
-    claim_plant(scene, &mut results)?;
+    let results = ResultFolder::for_command(folder, "run")?;
+    let mut results = results.with_pictures(args.pictures.png);
+    let table = plant_table(scene, &mut results)?;
+    let setpoints = u64::from(player.ticks()) + 1;
     let lagrange = args.lagrange.then(|| LagrangeColumns::of_redundant(scene));
-    let mut recorder = RedundantRecorder::create(&mut results, scene, args.every, lagrange)?;
-    results.begin()?;
+    let drawn = DrawnJob::of_redundant(scene);
+    let mut recorder = Recorder::create(results, setpoints, drawn, lagrange)?.thinned(args.every);
     let mut computation = Histogram::default();
     let start = Instant::now();
     let mut pacer = (!args.fast).then(|| Pacer::start(scene.tick_rate_hz));
-    let mut is_complete = true;
+    let mut end = JobEnd::Complete;
     for tick in 0..=player.ticks() {
         let is_due = match &mut pacer {
             Some(pacer) => pacer.wait(u64::from(tick), stop),
             None => !stop.load(Ordering::Relaxed),
         };
         if !is_due {
-            is_complete = false;
+            end = JobEnd::Stopped;
             break;
         }
         let begin = Instant::now();
@@ -117,35 +93,26 @@ fn play(
         let record = record.map_err(|status| CliError::Failed(format!("tick {tick}: {status}")))?;
         recorder.record(&record)?;
     }
-    let elapsed = start.elapsed();
-    let (rows, peaks) = (recorder.rows, recorder.peaks.take());
-    let heading = match is_complete {
-        true => scene.name.clone(),
-        false => format!("{} until tick {rows}", scene.name),
-    };
-    let (files, lagrange) = recorder.finish(&mut results, &heading)?;
-    let plant = match &scene.plant {
-        Some(_) if is_complete => Some(simulate_plant(scene, &mut results, stop)?),
-        _ => None,
-    };
-    let report = RedundantReport {
-        is_complete,
-        rows,
-        elapsed,
+    let played = RunResult {
+        end,
+        elapsed: start.elapsed(),
         computation,
         deadlines: pacer.map(Pacer::finish),
-        peaks,
-        lagrange,
-        plant,
-        files,
     };
-    let outcome = report.plant.as_ref().map(|plant| &plant.outcome);
-    let why = match outcome {
-        _ if !is_complete => Err("stopped by the user"),
-        Some(outcome) if outcome.is_stopped => Err("stopped by the user"),
-        Some(outcome) => outcome.failure.as_deref().map_or(Ok(()), Err),
-        None => Ok(()),
+    let is_complete = played.end == JobEnd::Complete;
+    let (job, mut results) = recorder.finish(&scene.name, is_complete)?;
+    let plant = table
+        .filter(|_| is_complete)
+        .map(|table| simulate_plant(scene, table, &mut results, &job.motors, stop));
+    let mut report = RunReport {
+        played,
+        setpoints,
+        scalar: NumberType::F64,
+        drives: None,
+        plant: plant.transpose()?,
+        job,
     };
-    results.end(why)?;
+    report.job.files.extend(results.pictures()?);
+    results.end(report.reason().as_deref())?;
     Ok(report)
 }

@@ -319,11 +319,11 @@ impl ResultFolder {
         }
     }
 
-    /// Ends the results: `end` says why they are not complete. Without a result nothing is written.
+    /// Ends the results, which are complete without a `reason` why not. Without a result nothing is written.
     ///
     /// # Errors
     /// As [`begin`](Self::begin).
-    pub fn end(&mut self, end: Result<(), &str>) -> Result<(), CliError> {
+    pub fn end(&mut self, reason: Option<&str>) -> Result<(), CliError> {
         if !self.pending.is_empty() {
             self.begin()?;
         }
@@ -337,11 +337,12 @@ impl ResultFolder {
                 *hash = Some(found.map_err(|error| unwritable(&path, &error))?);
             }
         }
-        self.reason = end.err().unwrap_or_default().into();
-        match end {
-            Ok(()) => self.say("complete"),
-            Err(_) => self.say("partial"),
-        }
+        self.reason = reason.unwrap_or_default().into();
+        self.say(if reason.is_none() {
+            "complete"
+        } else {
+            "partial"
+        })
     }
 
     fn say(&self, status: &str) -> Result<(), CliError> {

@@ -1,36 +1,32 @@
 //! A run as a document. Runs of all machines share its parts.
 
-use super::{JobEnd, RunReport};
+use super::report::{JobEnd, RunReport, RunResult};
 use crate::histogram::Histogram;
-use crate::lagrange::LagrangeFound;
-use crate::realtime::Deadlines;
-use crate::recording::{At, MotorLoad, Peaks};
+use crate::recording::{LoadPeaks, MotorLoad, Peaks};
 use std::path::Path;
 use std::time::Duration;
 use trirrr_figures::document::{Document, Facts, quantity};
 use trirrr_plant::statistics::Signal;
-use trirrr_scene::Scene;
 use trirrr_scene::words::{counted, short, tick_time};
 
-/// Job that was played, and how.
-pub(crate) struct RunOutcome<'a> {
+/// Scene and job of a run.
+pub(crate) struct RunScene<'a> {
     pub(crate) name: &'a str,
     pub(crate) description: &'a str,
     pub(crate) file: &'a Path,
     pub(crate) moves: usize,
     pub(crate) ticks: u32,
     pub(crate) rate_hz: f64,
-    /// Setpoints that have a record.
-    pub(crate) setpoints: u64,
-    pub(crate) elapsed: Duration,
-    pub(crate) computation: &'a Histogram,
-    pub(crate) deadlines: Option<&'a Deadlines>,
-    pub(crate) end: &'a JobEnd,
+    pub(crate) torque: bool,
+    /// Numbers, or the machine.
+    pub(crate) head: Facts,
+    /// Longest way to rest in a hold, in words.
+    pub(crate) hold: Option<String>,
 }
 
-impl RunOutcome<'_> {
+impl RunScene<'_> {
     /// Scene, and what it is.
-    pub(crate) fn scene(&self) -> Facts {
+    fn scene(&self) -> Facts {
         let words = format!("{} ({})", self.name, self.file.display());
         Facts::new()
             .pair("scene", "scene", self.name)
@@ -40,24 +36,25 @@ impl RunOutcome<'_> {
     }
 
     /// Size of the job, and its end.
-    pub(crate) fn job(&self, hold: Option<String>) -> Facts {
+    fn job<O>(&self, report: &RunReport<O>) -> Facts {
+        let played = &report.played;
         let duration_s = f64::from(self.ticks) / self.rate_hz;
         let (moves, duration) = (counted(self.moves, "move"), short(duration_s));
         let job = format!(
             "{moves}, {duration} s: {} ticks at {} Hz",
             self.ticks, self.rate_hz
         );
-        let how = match &self.deadlines {
+        let how = match &played.deadlines {
             Some(_) => "in real time",
             None => "without pacing",
         };
-        let (all, took) = (u64::from(self.ticks) + 1, self.elapsed.as_secs_f64());
+        let (all, took) = (u64::from(self.ticks) + 1, played.elapsed.as_secs_f64());
         let ran = format!(
             "{} of {all} setpoints {how}, {}",
-            self.setpoints,
+            report.job.rows,
             seconds(took)
         );
-        let (name, label, words) = match self.end {
+        let (name, label, words) = match &played.end {
             JobEnd::Complete => ("complete", "", String::new()),
             JobEnd::Stopped => (
                 "stopped",
@@ -71,7 +68,7 @@ impl RunOutcome<'_> {
                 format!("{what}; what came before is written"),
             ),
         };
-        let reason = match self.end {
+        let reason = match &played.end {
             JobEnd::Refused(why) | JobEnd::Fault(why) => Some(why),
             _ => None,
         };
@@ -81,8 +78,8 @@ impl RunOutcome<'_> {
             .data("ticks", self.ticks)
             .data("tick_rate_hz", self.rate_hz)
             .data("duration_s", duration_s)
-            .text("a hold", hold)
-            .data("setpoints", self.setpoints)
+            .text("a hold", self.hold.clone())
+            .data("setpoints", report.job.rows)
             .pair("elapsed_s", "ran", took)
             .words(ran)
             .pair("end", label, name)
@@ -91,22 +88,23 @@ impl RunOutcome<'_> {
     }
 
     /// Times of the computation of a tick, and of the deadlines.
-    pub(crate) fn times(&self) -> Facts {
+    fn times(&self, played: &RunResult) -> Facts {
         let period_us = 1e6 / self.rate_hz;
-        let late = self.deadlines.map(|deadlines| {
+        let deadlines = played.deadlines.as_ref();
+        let late = deadlines.map(|deadlines| {
             let (late, total) = (deadlines.late, deadlines.release.count());
             format!("{late} of {total} (a result after {period_us} microseconds)")
         });
-        let jitter = self.deadlines.map(|deadlines| times(&deadlines.release));
+        let jitter = deadlines.map(|deadlines| times(&deadlines.release));
         Facts::new()
-            .group("computing_us", "computing", times(self.computation))
+            .group("computing_us", "computing", times(&played.computation))
             .group("jitter_us", "jitter", jitter)
             .text(
                 "",
                 late.as_ref()
                     .map(|_| "(jitter: how long after its time a tick began)".to_owned()),
             )
-            .pair("late_ticks", "late ticks", self.deadlines.map(|it| it.late))
+            .pair("late_ticks", "late ticks", deadlines.map(|it| it.late))
             .words(late.unwrap_or_default())
     }
 }
@@ -128,58 +126,78 @@ fn times(times: &Histogram) -> Facts {
         .pair("max", "max", us(times.max()))
 }
 
-/// Value and its time.
-pub(crate) fn at(at: At) -> Facts {
-    let time = format!("{} s", tick_time(at.t));
-    Facts::new()
-        .pair("value", "", at.value)
-        .pair("t_s", "at t =", at.t)
-        .words(time)
-}
-
-/// Adds the peaks of the motors, with their loads where they are known, and `more` extremes. A scene without torques has rates only.
-pub(crate) fn add_peaks(
-    document: &mut Document,
-    peaks: &Peaks,
-    torque: bool,
-    loads: &[MotorLoad],
-    more: impl FnOnce(&mut Document),
-) {
-    let motors = peaks.motors.iter().enumerate().map(|(index, motor)| {
+/// Adds the peaks of the motors and their loads, and the distances to singularity. A scene without torques has rates only.
+fn add_peaks(document: &mut Document, peaks: &Peaks, torque: bool, loads: &[MotorLoad]) {
+    let motors = peaks.motors.iter().zip(loads).enumerate();
+    let motors = motors.map(|(index, (motor, load))| {
         let row = Facts::new().text("", format!("motor {}", index + 1)).group(
             "peak_rate_rad_s",
             "peak rate",
-            at(motor.rate),
+            motor.rate.facts(),
         );
-        let row = match torque {
-            false => return row,
+        match torque {
+            false => row,
             true => row
-                .group("peak_torque_nm", "peak torque", at(motor.torque))
-                .group("peak_power_w", "peak power", at(motor.power)),
-        };
-        match loads.get(index) {
-            None => row,
-            Some(load) => row
+                .group("peak_torque_nm", "peak torque", motor.torque.facts())
+                .group("peak_power_w", "peak power", motor.power.facts())
                 .pair("rms_torque_nm", "rms torque", load.rms_torque_nm)
                 .pair("work_given_j", "work given", load.given_j)
                 .pair("work_returned_j", "returned", load.returned_j),
         }
     });
     document.table("motors", motors.collect());
-    more(document);
+    if let Some(loads) = &peaks.loads {
+        add_loads(document, loads);
+    }
     let legs = peaks.serial.iter().zip(1..);
     let least = legs.min_by(|(one, _), (other, _)| one.value.total_cmp(&other.value));
-    let serial = least.map(|(least, leg): (_, u32)| at(*least).text("leg", leg.to_string()).line());
+    let serial = least.map(|(least, leg): (_, u32)| {
+        let leg = leg.to_string();
+        least.facts().text("leg", leg).line()
+    });
     let distances = Facts::new()
         .rows(
             "serial_distance_min",
-            peaks.serial.iter().map(|leg| at(*leg)),
+            peaks.serial.iter().map(|leg| leg.facts()),
         )
         .text("serial", serial)
-        .group("parallel_distance_min", "parallel", at(peaks.parallel));
+        .group("parallel_distance_min", "parallel", peaks.parallel.facts());
     document
         .heading("least distance to singularity (scale-free, 0 to 1)")
         .pairs(distances);
+}
+
+/// Extremes that a 3-RRR does not have.
+fn add_loads(document: &mut Document, peaks: &LoadPeaks) {
+    let sliders = peaks.sliders.iter().map(|slider| {
+        let number = slider.leg + 1;
+        Facts::new()
+            .pair("leg", "", number)
+            .words(format!("slider {number}"))
+            .group(
+                "peak_velocity_m_s",
+                "peak velocity",
+                slider.velocity.facts(),
+            )
+            .group("peak_force_n", "peak force", slider.force.facts())
+            .group("peak_power_w", "peak power", slider.power.facts())
+    });
+    document.table("slider_peaks", sliders.collect());
+    let (leg, joint) = peaks.joint;
+    let is_loaded = peaks.norm.value > peaks.least_norm.value * (1.0 + 1e-9);
+    let least = peaks.least_norm.facts();
+    let without = is_loaded.then(|| format!("without preload {}", least.line_in(Some("N m"))));
+    document.pairs(
+        Facts::new()
+            .group("torque_norm_max_nm", "torque norm", peaks.norm.facts())
+            .text("", without)
+            .data("torque_norm_max_without_preload_nm", least)
+            .group(
+                "joint_force_max_n",
+                "joint force",
+                joint.facts().text("leg", (leg + 1).to_string()),
+            ),
+    );
 }
 
 /// Peak of a signal with its time, and the root mean square.
@@ -192,51 +210,26 @@ pub(crate) fn signal(signal: &Signal) -> Facts {
         .pair("rms", "rms", signal.rms())
 }
 
-/// Differences from Lagrange's equations; null where they were not asked for.
-pub(crate) fn add_lagrange(document: &mut Document, found: Option<&LagrangeFound>) {
-    match found {
-        Some(found) => document.pairs_in("lagrange", found.record()),
-        None => document.data("lagrange", ()),
-    };
-}
-
-/// The run of `scene`, read from `file`.
-pub(super) fn document(file: &Path, scene: &Scene, report: &RunReport) -> Document {
-    let played = RunOutcome {
-        name: &scene.name,
-        description: &scene.description,
-        file,
-        moves: scene.job.count(),
-        ticks: scene.ticks(),
-        rate_hz: scene.tick_rate_hz,
-        setpoints: report.records,
-        elapsed: report.elapsed,
-        computation: &report.computation,
-        deadlines: report.deadlines.as_ref(),
-        end: &report.end,
-    };
+/// The run of `scene`, without its plant.
+pub(crate) fn document<O>(scene: RunScene, report: &RunReport<O>) -> Document {
     let mut document = Document::new();
-    let numbers = (report.scalar.name(), report.scalar.to_string());
-    let hold = scene.longest_stop().map(|longest| longest.to_string());
-    document.pairs(
-        played
-            .scene()
-            .pair("number", "numbers", numbers.0)
-            .words(numbers.1)
-            .and(played.job(hold)),
-    );
-    match &report.peaks {
-        Some(peaks) => add_peaks(&mut document, peaks, scene.torque, &report.loads, |_| ()),
+    let facts = scene.scene().and(scene.head.clone());
+    document.pairs(facts.and(scene.job(report)));
+    match &report.job.peaks {
+        Some(peaks) => add_peaks(&mut document, peaks, scene.torque, &report.job.loads),
         None => {
             let none = Facts::new().data("motors", ());
             let none = none.data("serial_distance_min", ());
             document.pairs(none.data("parallel_distance_min", ()));
         }
     }
-    add_lagrange(&mut document, report.lagrange.as_ref());
+    match &report.job.lagrange {
+        Some(found) => document.pairs_in("lagrange", found.record()),
+        None => document.data("lagrange", ()),
+    };
     if let Some(drives) = &report.drives {
         document.pairs_in("drives", drives.peaks.record());
     }
-    document.pairs(played.times());
+    document.pairs(scene.times(&report.played));
     document
 }

@@ -1,10 +1,10 @@
 //! Plays a job tick by tick, in real time or as fast as the computer can.
 
-use super::JobEnd;
 use super::plant::PlantRecorder;
+use super::report::{JobEnd, RunResult};
 use crate::failure::CliError;
 use crate::histogram::Histogram;
-use crate::realtime::{Deadlines, Pacer};
+use crate::realtime::Pacer;
 use crate::supply::{SuppliedChunk, next_chunk};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender};
@@ -14,15 +14,6 @@ use trirrr_client::runner::{JobPart, JobRunner, PlayedTick};
 use trirrr_drives::ObeyingDrives;
 use trirrr_protocol::message::State;
 use trirrr_service::{Output, Readings, ServiceNumber};
-
-/// Result of a job, besides its ticks.
-pub(super) struct RunResult {
-    pub(super) end: JobEnd,
-    pub(super) elapsed: Duration,
-    pub(super) computation: Histogram,
-    /// Deadlines met and missed, if the job was paced.
-    pub(super) deadlines: Option<Deadlines>,
-}
 
 /// Machine whose service hears the drives of the plant, in one thread with it.
 pub(super) struct ClosedLoop<'p, 'l, N: ServiceNumber> {

@@ -1,7 +1,8 @@
 //! Progress of long jobs on standard error: a bar on a terminal, plain lines elsewhere.
 
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use std::io::{self, IsTerminal, Write};
+use crate::terminal::{bar, say};
+use indicatif::ProgressBar;
+use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 
 /// Shorter jobs are over before there is something to tell.
@@ -50,17 +51,13 @@ impl ProgressDisplay {
             return;
         }
         if self.on_terminal {
-            let bar = ProgressBar::with_draw_target(Some(self.ticks), ProgressDrawTarget::stderr());
             let template = "{elapsed_precise} {wide_bar} {percent:>3} %, {eta} left";
-            if let Ok(style) = ProgressStyle::with_template(template) {
-                bar.set_style(style);
-            }
+            let bar = bar(self.ticks, template);
             self.bar = Some(bar.with_elapsed(now - self.start));
         } else {
             self.next = now + LINES;
             let percent = 100 * done / self.ticks;
-            // Who does not listen does not stop the run.
-            let _ = writeln!(io::stderr(), "trirrr: {percent} %, t = {t:.3} s");
+            say(&format!("{percent} %, t = {t:.3} s"));
         }
     }
 

@@ -1,8 +1,8 @@
 //! Display of a stream on standard error: changes as lines; on a terminal a bar with the latest
 //! values, elsewhere a line now and then.
 
-use crate::terminal::{message, say};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use crate::terminal::{bar, message, say};
+use indicatif::ProgressBar;
 use std::io::{self, IsTerminal};
 use std::time::{Duration, Instant};
 use trirrr_client::describe;
@@ -28,17 +28,12 @@ pub(super) struct Display {
 impl Display {
     /// Shows a job of `ticks` of a scene with or without `torque`.
     pub(super) fn new(ticks: u64, torque: bool) -> Self {
-        let bar = io::stderr().is_terminal().then(|| {
-            let bar = ProgressBar::with_draw_target(Some(ticks), ProgressDrawTarget::stderr());
-            match ProgressStyle::with_template("{wide_bar} {percent:>3} %, {eta} left\n{msg}") {
-                Ok(style) => bar.with_style(style),
-                Err(_) => bar,
-            }
-        });
+        let on_terminal = io::stderr().is_terminal();
+        let bar = || bar(ticks, "{wide_bar} {percent:>3} %, {eta} left\n{msg}");
         Self {
             ticks,
             torque,
-            bar,
+            bar: on_terminal.then(bar),
             next: Instant::now() + LINES,
             state: None,
             has_keys: false,

@@ -7,12 +7,12 @@ use super::starts::MoveStarts;
 use crate::dialogue::reopening;
 use crate::failure::CliError;
 use crate::numbers::refused;
-use crate::recording::{DriveRecorder, Recorder};
+use crate::player::JobRecorder;
 use crate::supply::MoveSupply;
 use std::sync::mpsc::Receiver;
 use std::time::Duration;
 use trirrr_client::describe::{self, Units};
-use trirrr_client::records::{Samples, is_of_a_job};
+use trirrr_client::records::is_of_a_job;
 use trirrr_client::{Dialogue, JobClient, JobPlace, Turn, UserCommand};
 use trirrr_line::LostLine;
 use trirrr_protocol::message::{
@@ -38,10 +38,7 @@ pub enum StreamEnd {
 /// Stream under way.
 pub(super) struct Session<'a, N: Transmit> {
     pub(super) client: JobClient<N>,
-    pub(super) samples: Samples<'a, N>,
-    pub(super) recorder: Recorder,
-    /// Samples of the drives, if they tell something.
-    pub(super) drives: Option<DriveRecorder<N>>,
+    pub(super) recorder: JobRecorder<'a, N>,
     pub(super) display: Display,
     /// Ticks of the job before each of its moves.
     pub(super) starts: MoveStarts,
@@ -80,7 +77,7 @@ impl<N: Transmit> Dialogue<N> for Session<'_, N> {
         if matches!(turn, Turn::Done(_)) {
             // Samples of the job are still on the line: answers overtake samples.
             let last = *self.last.get_or_insert(now + LAST_SAMPLES);
-            if self.samples.have_begun() && !self.is_over && now < last {
+            if self.recorder.samples.have_begun() && !self.is_over && now < last {
                 return Turn::Wait(last);
             }
         }
@@ -94,8 +91,8 @@ impl<N: Transmit> Dialogue<N> for Session<'_, N> {
                 self.fail(recorded);
             }
             Message::Drives(sample) => {
-                if let Some(drives) = self.drives.as_mut().filter(|_| !self.is_over) {
-                    let recorded = drives.drives(sample);
+                if !self.is_over {
+                    let recorded = self.recorder.drives(sample);
                     self.fail(recorded);
                 }
             }
@@ -236,22 +233,20 @@ impl<N: Transmit> Session<'_, N> {
             return Ok(());
         };
         if !is_of_a_job(sample.state) {
-            self.is_over |= self.samples.have_begun();
+            self.is_over |= self.recorder.samples.have_begun();
             return Ok(());
         }
         if self.is_over {
             return Ok(());
         }
-        let record = self.samples.record(sample, self.every).map_err(|status| {
+        let record = self.recorder.samples.record(sample, self.every);
+        let record = record.map_err(|status| {
             CliError::Failed(format!(
                 "the board is where the scene's machine cannot be, in tick {}: {status}",
                 sample.tick
             ))
         })?;
-        self.recorder.record(&record)?;
-        if let Some(drives) = &mut self.drives {
-            drives.command(sample)?;
-        }
+        self.recorder.write(&record, sample)?;
         let before = self.starts.before(index).unwrap_or(0);
         let at = before + u64::from(sample.at);
         self.display.values(at, &record, self.client.queued());

@@ -2,7 +2,7 @@
 
 use super::StreamEnd;
 use crate::failure::CliError;
-use crate::recording::{DrivePeaks, Recorded};
+use crate::player::RecordedJob;
 use crate::terminal::show;
 use std::path::Path;
 use trirrr_client::describe;
@@ -29,9 +29,7 @@ pub(super) struct Summary<'a> {
     /// Word for one of them.
     pub(super) item: &'a str,
     pub(super) every: u16,
-    pub(super) recorded: &'a Recorded,
-    /// Records of the drives, if they tell something.
-    pub(super) drives: Option<&'a DrivePeaks>,
+    pub(super) recorded: &'a RecordedJob,
     pub(super) missing: u64,
     pub(super) differing: u64,
     pub(super) repeated: u64,
@@ -87,7 +85,7 @@ fn document(summary: &Summary) -> Document {
         Some(StreamEnd::Stopped) => format!("stopped before the first of {moves} {item}s"),
         None => format!("{done} of {moves} {item}s done, not complete"),
     };
-    let (rows, missing) = (summary.recorded.rows, summary.missing);
+    let (rows, missing) = (summary.recorded.job.rows, summary.missing);
     let every = match summary.every {
         1 => "one every tick".into(),
         every => format!("one every {every} ticks"),
@@ -103,8 +101,9 @@ fn document(summary: &Summary) -> Document {
             summary.differing
         )
     });
-    let drives = summary.drives.map(DrivePeaks::record);
-    let files = summary.recorded.files.iter();
+    let drives = summary.recorded.drives.as_ref();
+    let files = drives.into_iter().flat_map(|drives| &drives.files);
+    let files = summary.recorded.job.files.iter().chain(files);
     let record = Facts::new()
         .text(
             "scene",
@@ -117,7 +116,11 @@ fn document(summary: &Summary) -> Document {
         }))
         .text("job", job)
         .text("samples", format!("{rows}, {every}, {missing} missing"))
-        .and(drives.unwrap_or_default())
+        .and(
+            drives
+                .map(|drives| drives.peaks.record())
+                .unwrap_or_default(),
+        )
         .text("link", link)
         .text("warning", differing)
         .text(

@@ -296,8 +296,8 @@ fn a_job_that_cannot_be_played_is_refused_before_it_starts() {
     for (scalar, paced) in [(NumberType::F64, false), (NumberType::F32, true)] {
         let never = AtomicBool::new(false);
         let report = simulate(&scene, scalar, paced, TickRows::ALL, folder.path(), &never).unwrap();
-        let JobEnd::Refused(why) = report.end else {
-            panic!("{:?}", report.end);
+        let JobEnd::Refused(why) = report.played.end else {
+            panic!("{:?}", report.played.end);
         };
         assert!(
             why.starts_with(
@@ -305,8 +305,8 @@ fn a_job_that_cannot_be_played_is_refused_before_it_starts() {
             ),
             "{why}"
         );
-        assert_eq!((report.records, report.setpoints), (0, 101));
-        assert!(report.peaks.is_none() && report.files.is_empty());
+        assert_eq!((report.job.rows, report.setpoints), (0, 101));
+        assert!(report.job.peaks.is_none() && report.job.files.is_empty());
         assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
     // Where the machine cannot even stand.
@@ -351,13 +351,17 @@ fn a_move_that_is_refused_on_the_way_ends_the_run_with_what_came_before() {
         &never,
     )
     .unwrap();
-    let JobEnd::Refused(why) = report.end else {
-        panic!("{:?}", report.end);
+    let JobEnd::Refused(why) = report.played.end else {
+        panic!("{:?}", report.played.end);
     };
     let named = format!("move {count} is not admitted: ");
     assert!(why.starts_with(&named), "{why}");
-    assert!((1..78_170).contains(&report.records), "{}", report.records);
-    assert_eq!(rows(folder.path()).len() as u64, report.records);
+    assert!(
+        (1..78_170).contains(&report.job.rows),
+        "{}",
+        report.job.rows
+    );
+    assert_eq!(rows(folder.path()).len() as u64, report.job.rows);
     assert_all_files(folder.path());
 }
 
@@ -375,7 +379,7 @@ fn a_stop_before_the_start_writes_nothing() {
         &stopped,
     )
     .unwrap();
-    assert_eq!(report.end, JobEnd::Stopped);
+    assert_eq!(report.played.end, JobEnd::Stopped);
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 

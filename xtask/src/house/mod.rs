@@ -20,7 +20,7 @@ const QUESTIONS: usize = 20;
 const REPEATED_NAMES: usize = 14;
 
 /// Circles of three files and more in a crate.
-const CIRCLES: usize = 3;
+const CIRCLES: usize = 1;
 
 #[derive(clap::Args)]
 pub(crate) struct HouseArgs {

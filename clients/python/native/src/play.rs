@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::sync::atomic::{AtomicBool, Ordering};
 use trirrr_client::describe::Units;
-use trirrr_client::local::{self, HostNumber, LocalService};
+use trirrr_client::local::{self, HostNumber, LocalService, Sensed};
 use trirrr_client::records::{Samples, is_of_a_job};
 use trirrr_client::runner::{JobPart, JobRunner};
 use trirrr_core::status::Status;
@@ -97,11 +97,11 @@ fn play<N: HostNumber + Countable>(scene: &Scene, plant: bool) -> Result<PlayedJ
             .map_err(|status| status.to_string())?;
         Ok(playing.finished())
     };
-    match is_closed {
-        true => local::with_machine_measured::<N, _>(scene, run),
-        false => local::with_machine::<N, _>(scene, run),
-    }
-    .map_err(|error| error.reason)?
+    let sensed = match is_closed {
+        true => Sensed::drives(scene),
+        false => Sensed::default(),
+    };
+    local::with_machine_in(scene, units, sensed, run).map_err(|error| error.reason)?
 }
 
 /// A job under way.

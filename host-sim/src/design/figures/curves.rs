@@ -1,81 +1,75 @@
 //! Curves over the angle of the platform, along the job, and over its duration.
 
 use crate::design::study::{AlphaRow, Study};
+use crate::figures::limit_lines;
 use trirrr_design::modes::ModeFigures;
 use trirrr_design::ratios::RatioInstant;
 use trirrr_figures::canvas::Drawn;
-use trirrr_figures::panel::{Curve, LimitLine, Panel, draw, draw_over};
+use trirrr_figures::chart::{Chart, Figure, Series, gathered};
+use trirrr_figures::panel::{draw_over, range};
 use trirrr_figures::scale::{Axis, Margin};
-use trirrr_figures::style::{AREA, INK, LIMIT, MOTORS, RGBColor};
+use trirrr_figures::style::{AREA, INK};
 
-const MOTOR_NAMES: [&str; 3] = ["motor 1", "motor 2", "motor 3"];
-
-fn over_angles(study: &Study, title: &str, panels: &[Panel]) -> Drawn {
-    let axis = Axis::new(-180.0, 180.0, "", Margin::Exact, 12.0);
+/// Draws `charts` of `rows`, each with its place on the axis `over` of this quantity.
+fn draw<'r, R: 'static>(
+    study: &Study,
+    title: &str,
+    (quantity, over): (&str, &Axis),
+    charts: impl IntoIterator<Item = Chart<R>>,
+    rows: impl ExactSizeIterator<Item = (f64, &'r R)>,
+) -> Drawn {
+    let charts = charts.into_iter().map(Chart::with_zero);
+    let figures = gathered(vec![Figure::new("", "", charts)], rows);
+    let panels = figures.into_iter().flat_map(|figure| figure.panels);
     let title = format!("{}: {title}", study.scene.name);
-    draw_over(&title, "\u{3b1}, degrees", &axis, panels)
+    draw_over(&title, quantity, over, &panels.collect::<Vec<_>>())
 }
 
-/// A curve over the angle; where there is no value, a gap.
-fn angle_curve(
+/// Draws `charts` over the angle of the platform.
+fn over_angles(
     study: &Study,
-    label: &'static str,
-    colour: RGBColor,
-    of: impl Fn(&AlphaRow) -> Option<f64>,
-) -> Curve {
-    let rows = study.alphas.iter();
-    Curve {
-        label: label.into(),
-        points: rows
-            .map(|row| (row.degrees, of(row).unwrap_or(f64::NAN)))
-            .collect(),
-        colour: Some(colour),
-        dashed: false,
-    }
+    title: &str,
+    charts: impl IntoIterator<Item = Chart<AlphaRow>>,
+) -> Drawn {
+    let over = Axis::new(-180.0, 180.0, "", Margin::Exact, 12.0);
+    let rows = study.alphas.iter().map(|row| (row.degrees, row));
+    draw(study, title, ("\u{3b1}, degrees", &over), charts, rows)
 }
 
 /// Area over the angle of the platform.
 pub(super) fn angles(study: &Study) -> Drawn {
     let bound = |label, bound: usize, colour| {
-        angle_curve(study, label, colour, move |row| {
-            Some(1e4 * row.area_m2[bound])
-        })
+        Series::new(label, move |row: &AlphaRow| 1e4 * row.area_m2[bound]).coloured(colour)
     };
-    let panel = Panel {
-        quantity: "area within the limits, cm\u{b2}",
-        from_zero: true,
-        curves: vec![bound("at most", 1, AREA), bound("at least", 0, INK)],
-        ..Panel::default()
-    };
-    over_angles(study, "area over the angle of the platform", &[panel])
+    let bounds = [bound("at most", 1, AREA), bound("at least", 0, INK)];
+    let chart = Chart::new("area within the limits, cm\u{b2}", "", bounds);
+    over_angles(study, "area over the angle of the platform", [chart])
 }
 
 /// Worst and median values over the angle of the platform.
 pub(super) fn angle_loads(study: &Study) -> Drawn {
-    let panel = |quantity, unit, index: usize| Panel {
-        quantity,
-        unit,
-        from_zero: true,
-        curves: vec![
-            angle_curve(study, "nine of ten places", AREA, |row| {
-                row.values.map(|values| values[index][1])
-            }),
-            angle_curve(study, "half of the places", INK, |row| {
-                row.values.map(|values| values[index][0])
-            }),
-        ],
-        ..Panel::default()
+    let chart = |quantity, unit, index: usize| {
+        let series = |label, part: usize, colour| {
+            // Where there is no value, a gap.
+            let value = move |row: &AlphaRow| row.values.map_or(f64::NAN, |all| all[index][part]);
+            Series::new(label, value).coloured(colour)
+        };
+        let parts = [
+            series("nine of ten places", 1, AREA),
+            series("half of the places", 0, INK),
+        ];
+        Chart::new(quantity, unit, parts)
     };
-    let mut panels = vec![
-        panel("rate at 1 m/s", "rad/s", 0),
-        panel("torque of the load", "N m", 1),
-        panel("offset for 0.1\u{b0}", "m", 2),
+    let mut charts = vec![
+        chart("rate at 1 m/s", "rad/s", 0),
+        chart("torque of the load", "N m", 1),
+        chart("offset for 0.1\u{b0}", "m", 2),
     ];
     if study.stiffness_nm_rad.is_some() {
-        panels.push(panel("displacement for 1 N", "m", 3));
+        charts.push(chart("displacement for 1 N", "m", 3));
     }
     let title = "values that the places of the workspace keep, over the angle";
-    over_angles(study, title, &panels)
+    over_angles(study, title, charts)
 }
 
 /// Nine quantities along the job: a panel for each coordinate of the platform, a curve for each motor.
@@ -83,31 +77,17 @@ fn along(
     study: &Study,
     title: &str,
     names: [[&'static str; 2]; 3],
-    of: impl Fn(&RatioInstant, usize, usize) -> f64,
+    of: fn(&RatioInstant, usize, usize) -> f64,
 ) -> Drawn {
-    let panels: Vec<Panel> = names
-        .into_iter()
-        .enumerate()
-        .map(|(axis, [quantity, unit])| Panel {
-            quantity,
-            unit,
-            from_zero: true,
-            curves: (0..3)
-                .map(|motor| Curve {
-                    label: MOTOR_NAMES[motor].into(),
-                    points: study
-                        .ratios
-                        .iter()
-                        .map(|instant| (instant.t_s, of(instant, axis, motor)))
-                        .collect(),
-                    colour: Some(MOTORS[motor]),
-                    dashed: false,
-                })
-                .collect(),
-            ..Panel::default()
-        })
-        .collect();
-    draw(&format!("{}: {title}", study.scene.name), &panels)
+    let charts = names.into_iter().enumerate();
+    let charts = charts.map(|(axis, [quantity, unit])| {
+        let value = move |instant: &RatioInstant, motor| of(instant, axis, motor);
+        Chart::new(quantity, unit, Series::numbered("motor", 3, value))
+    });
+    let rows = study.ratios.iter().map(|instant| (instant.t_s, instant));
+    let (start, end) = range(rows.clone().map(|(t, _)| t));
+    let over = Axis::time(start, end);
+    draw(study, title, ("time", &over), charts, rows)
 }
 
 /// Velocity ratios of the source.
@@ -138,74 +118,23 @@ pub(super) fn jacobian(study: &Study) -> Drawn {
 
 /// Torques and work over the duration of the job.
 pub(super) fn durations(study: &Study) -> Drawn {
-    let points = |of: &dyn Fn(&ModeFigures) -> f64| -> Vec<(f64, f64)> {
-        let rows = study.durations.iter();
-        rows.map(|(seconds, figures)| (*seconds, of(figures)))
-            .collect()
+    let motors = |quantity, unit, of: fn(&ModeFigures) -> [f64; 3]| {
+        let value = move |row: &ModeFigures, motor: usize| of(row)[motor];
+        Chart::new(quantity, unit, Series::numbered("motor", 3, value))
     };
-    let of_motors = |of: fn(&ModeFigures) -> [f64; 3]| {
-        let curve = |motor: usize| Curve {
-            label: MOTOR_NAMES[motor].into(),
-            points: points(&|figures| of(figures)[motor]),
-            colour: Some(MOTORS[motor]),
-            dashed: false,
-        };
-        (0..3).map(curve).collect()
-    };
-    let limits = |limit: Option<[f64; 3]>| {
-        let lines = limit.into_iter().flat_map(|limit| {
-            let is_one = limit.iter().all(|each| *each == limit[0]);
-            let count = if is_one { 1 } else { 3 };
-            (0..count).map(move |motor| LimitLine {
-                label: match is_one {
-                    true => format!("limit {}", limit[0]),
-                    false => format!("limit {} {}", motor + 1, limit[motor]),
-                },
-                values: vec![limit[motor]],
-                colour: if is_one { LIMIT } else { MOTORS[motor] },
-            })
-        });
-        lines.collect()
-    };
-    let panel = |quantity, unit, curves, limits| Panel {
-        quantity,
-        unit,
-        from_zero: true,
-        curves,
-        limits,
-        ..Panel::default()
-    };
+    let limits =
+        |limit: Option<[f64; 3]>| limit_lines(limit.as_ref().map_or(&[], |each| each), false);
     let own = &study.scene.limits;
-    let work = vec![Curve {
-        label: "all motors".into(),
-        points: points(&|figures| figures.work_j),
-        colour: Some(INK),
-        dashed: false,
-    }];
-    let panels = [
-        panel(
-            "peak torque",
-            "N m",
-            of_motors(|figures| figures.torque_peak_nm),
-            limits(own.torque_nm),
-        ),
-        panel(
-            "RMS torque",
-            "N m",
-            of_motors(|figures| figures.torque_rms_nm),
-            Vec::new(),
-        ),
-        panel(
-            "peak power",
-            "W",
-            of_motors(|figures| figures.power_peak_w),
-            limits(own.power_w),
-        ),
-        panel("work given", "J", work, Vec::new()),
+    let work = Series::new("all motors", |row: &ModeFigures| row.work_j).coloured(INK);
+    let charts = [
+        motors("peak torque", "N m", |row| row.torque_peak_nm).within(limits(own.torque_nm)),
+        motors("RMS torque", "N m", |row| row.torque_rms_nm),
+        motors("peak power", "W", |row| row.power_peak_w).within(limits(own.power_w)),
+        Chart::new("work given", "J", [work]),
     ];
-    let times = study.durations.iter().map(|(seconds, _)| *seconds);
-    let (low, high) = trirrr_figures::panel::range(times);
-    let axis = Axis::new(low, high, "s", Margin::Exact, 10.0);
-    let title = format!("{}: the same motion, faster and slower", study.scene.name);
-    draw_over(&title, "duration of the job", &axis, &panels)
+    let rows = study.durations.iter().map(|(seconds, row)| (*seconds, row));
+    let (low, high) = range(rows.clone().map(|(seconds, _)| seconds));
+    let over = Axis::new(low, high, "s", Margin::Exact, 10.0);
+    let title = "the same motion, faster and slower";
+    draw(study, title, ("duration of the job", &over), charts, rows)
 }

@@ -1,12 +1,13 @@
 //! Maps of values over the places that the machine works in.
 
 use super::NamedFigure;
-use super::map::{LEFT, cells, field, map};
+use super::map::{cells, map};
 use crate::design::study::Study;
 use trirrr_design::loads::PoseLoads;
-use trirrr_figures::canvas::{Drawn, RIGHT_OF, Size};
+use trirrr_figures::canvas::Drawn;
 use trirrr_figures::document::digits;
-use trirrr_figures::style::{INK, tone};
+use trirrr_figures::sketch::Swatch;
+use trirrr_figures::style::tone;
 
 /// Shades of a map.
 const LEVELS: usize = 8;
@@ -88,29 +89,21 @@ fn draw(study: &Study, title: &str, found: &[Option<f64>]) -> Drawn {
     };
     let level = |value: f64| (1..LEVELS).filter(|level| value >= edge(*level)).count();
     let colour = |level: usize| tone(level as f64 / (LEVELS - 1) as f64);
-    map(
-        study,
-        title,
-        |canvas, view| {
-            cells(canvas, view, &study.coarse, |index| {
-                found[index].map(|value| colour(level(value)))
-            })
-        },
-        |canvas, top| {
-            for index in 0..LEVELS {
-                let (column, row) = (index % 4, index / 4);
-                let (x, y) = (LEFT + 150.0 * column as f64, top + 22.0 * row as f64);
-                field(canvas, (x, y), 24.0, colour(index))?;
-                let text = format!("from {}", digits(edge(index)));
-                canvas.text(&text, (x + 32.0, y), Size::Tick, RIGHT_OF, INK)?;
-            }
-            let text = match sorted.last() {
-                Some(most) => {
-                    format!("each shade has as many cells; up to {}", digits(*most))
-                }
-                None => "no cell is proven and connected with the start".into(),
-            };
-            canvas.text(&text, (LEFT, top + 44.0), Size::Tick, RIGHT_OF, INK)
-        },
-    )
+    let under = cells(&study.coarse, |index| {
+        found[index].map(|value| colour(level(value)))
+    });
+    let shade = |index: usize| {
+        let text = format!("from {}", digits(edge(index)));
+        (Swatch::Fields(vec![colour(index)]), text)
+    };
+    let text = match sorted.last() {
+        Some(most) => format!("each shade has as many cells; up to {}", digits(*most)),
+        None => "no cell is proven and connected with the start".into(),
+    };
+    let legend = vec![
+        (0..LEVELS / 2).map(shade).collect(),
+        (LEVELS / 2..LEVELS).map(shade).collect(),
+        vec![(Swatch::None, text)],
+    ];
+    map(study, title, vec![under], legend)
 }

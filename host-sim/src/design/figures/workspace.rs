@@ -1,9 +1,10 @@
 //! Maps of where the machine works, with one angle of the platform and with all.
 
-use super::map::{cells, entry, map};
+use super::map::{cells, map};
 use crate::design::study::{Study, Surface};
-use trirrr_figures::canvas::{Canvas, Draw, Drawn};
-use trirrr_figures::plane::View;
+use std::f64::consts::TAU;
+use trirrr_figures::canvas::Drawn;
+use trirrr_figures::sketch::{SketchMark, Swatch};
 use trirrr_figures::style::{AREA, INK, RGBColor, faded};
 
 /// Reached, but near to a singularity or beyond one.
@@ -19,13 +20,12 @@ fn apart() -> RGBColor {
     faded(AREA, 0.28)
 }
 
-/// Colours the cells of `surface`, with its largest circle and rectangle.
-fn surface(study: &Study, surface: &Surface, canvas: &Canvas<'_>, view: &View) -> Draw {
-    let grid = &surface.map.grid;
-    cells(canvas, view, &study.reach.grid, |index| {
+/// Cells of `surface`, with its largest circle and rectangle.
+fn surface(study: &Study, surface: &Surface) -> Vec<SketchMark> {
+    let reached = cells(&study.reach.grid, |index| {
         (study.reach.cells[index].within > 0.5).then_some(REACHED)
-    })?;
-    cells(canvas, view, grid, |index| {
+    });
+    let own = cells(&surface.map.grid, |index| {
         let share = surface.map.cells[index];
         match () {
             () if surface.connected[index] => Some(works()),
@@ -33,49 +33,40 @@ fn surface(study: &Study, surface: &Surface, canvas: &Canvas<'_>, view: &View) -
             () if share.undecided > 0.1 => Some(OPEN),
             () => None,
         }
-    })?;
-    if let Some(disc) = surface.disc {
-        let points: Vec<_> = (0..=96)
-            .map(|index| {
-                let (sin, cos) = (f64::from(index) / 96.0 * std::f64::consts::TAU).sin_cos();
-                let [x, y] = disc.centre_m;
-                view.at([x + disc.radius_m * cos, y + disc.radius_m * sin])
-            })
-            .collect();
-        canvas.line(&points, INK, 1.4)?;
-    }
-    if let Some(each) = surface.rectangle {
+    });
+    let disc = surface.disc.map(|disc| {
+        let [x, y] = disc.centre_m;
+        let points = (0..=96).map(|index| {
+            let (sin, cos) = (f64::from(index) / 96.0 * TAU).sin_cos();
+            [x + disc.radius_m * cos, y + disc.radius_m * sin]
+        });
+        points.collect()
+    });
+    let rectangle = surface.rectangle.map(|each| {
         let ([x, y], [width, height]) = (each.low_m, each.size_m);
-        let corners = [
-            [x, y],
-            [x + width, y],
-            [x + width, y + height],
-            [x, y + height],
-            [x, y],
-        ];
-        canvas.line(&corners.map(|corner| view.at(corner)), INK, 1.4)?;
-    }
-    Ok(())
+        let (right, top) = (x + width, y + height);
+        vec![[x, y], [right, y], [right, top], [x, top], [x, y]]
+    });
+    let lines = disc.into_iter().chain(rectangle);
+    let lines = lines.map(|points| SketchMark::Line(points, INK, 1.4));
+    [reached, own].into_iter().chain(lines).collect()
 }
 
-fn legend(canvas: &Canvas<'_>, top: f64) -> Draw {
-    for (row, colour, text) in [
+fn legend() -> Vec<Vec<(Swatch, String)>> {
+    let entries = [
         (
-            0.0,
             works(),
             "proven: reached from the start, distances kept; largest circle and rectangle in it",
         ),
-        (1.0, apart(), "proven, but not connected with the start"),
-        (2.0, OPEN, "undecided"),
+        (apart(), "proven, but not connected with the start"),
+        (OPEN, "undecided"),
         (
-            3.0,
             REACHED,
             "the legs reach it at the map's angle; too near to a singularity, or beyond one",
         ),
-    ] {
-        entry(canvas, top, row, colour, text)?;
-    }
-    Ok(())
+    ];
+    let rows = entries.map(|(colour, text)| vec![(Swatch::Fields(vec![colour]), text.into())]);
+    rows.into()
 }
 
 /// Map with the angles that are asked for.
@@ -91,20 +82,11 @@ pub(super) fn draw(study: &Study) -> Drawn {
             (study.alpha_rad + study.turn_rad).to_degrees()
         ),
     };
-    map(
-        study,
-        &title,
-        |canvas, view| surface(study, &study.work, canvas, view),
-        legend,
-    )
+    map(study, &title, surface(study, &study.work), legend())
 }
 
 /// Map with all angles.
 pub(super) fn total(study: &Study) -> Drawn {
-    map(
-        study,
-        "total-orientation workspace: every angle of the platform",
-        |canvas, view| surface(study, &study.total, canvas, view),
-        legend,
-    )
+    let title = "total-orientation workspace: every angle of the platform";
+    map(study, title, surface(study, &study.total), legend())
 }

@@ -1,7 +1,6 @@
 //! A study as a document: the machine before and after, side by side.
 
-use super::files::{StudyResult, set_arguments};
-use super::record::StudyRecord;
+use super::record::{StudyRecord, StudyResult, set_arguments};
 use super::{DesignArgs, folder_of};
 use crate::design::figures;
 use crate::design::study::Study;

@@ -1,10 +1,9 @@
 //! Figures of a study.
 
-use super::files::StudyResult;
-use super::record::StudyRecord;
-use crate::design::scatter::{ScatterAxis, ScatterMarks, ScatterSet, scatter};
+use super::record::{StudyRecord, StudyResult};
 use trirrr_design::optimise::{Appraisal, Objective, StudyScene};
 use trirrr_figures::canvas::Drawn;
+use trirrr_figures::scatter::{Over, Scatter, Series, draw};
 use trirrr_figures::style::{BLUE, GREEN, INK, ORANGE, VERMILLION, faded};
 
 /// Figures by their names. One that cannot be drawn is left out.
@@ -31,18 +30,16 @@ fn shown(objective: Objective) -> (String, &'static str, f64) {
     }
 }
 
-fn set(
-    label: &str,
-    colour: trirrr_figures::style::RGBColor,
-    marks: ScatterMarks,
-    points: Vec<[f64; 2]>,
-) -> ScatterSet {
-    ScatterSet {
-        label: label.into(),
-        colour,
-        marks,
-        points,
-    }
+/// Figure of `series` over two axes.
+fn drawn(title: &str, [x, y]: [Over<'_>; 2], series: &[Series]) -> Drawn {
+    draw(&Scatter {
+        title,
+        x,
+        y,
+        series,
+        marks: &[],
+        fronts: &[],
+    })
 }
 
 /// The first objective of each candidate, and the best so far.
@@ -66,38 +63,25 @@ fn progress(study: &StudyScene, record: &StudyRecord, result: &StudyResult) -> D
         best.last()
             .map(|[_, value]| [result.all.len() as f64, *value]),
     );
-    let mut sets = vec![
-        set(
-            "does the job",
-            faded(BLUE, 0.45),
-            ScatterMarks::Dots(2.5),
-            values,
-        ),
-        set("best so far", VERMILLION, ScatterMarks::Line, best),
+    let mut series = vec![
+        Series::dots("does the job", 2.5, values).coloured(faded(BLUE, 0.45)),
+        Series::line("best so far", best).coloured(VERMILLION),
     ];
     if let Some(own) = &record.own.found {
         let ends = [1.0, result.all.len() as f64].map(|number| [number, factor * own[0]]);
-        sets.push(set(
-            "the scene itself",
-            INK,
-            ScatterMarks::Line,
-            ends.into(),
-        ));
+        series.push(Series::line("the scene itself", ends.into()).coloured(INK));
     }
+    let over = |quantity, unit, from| Over::Linear {
+        quantity,
+        unit,
+        from,
+    };
     let axes = [
-        ScatterAxis {
-            quantity: "candidate",
-            unit: "",
-            from: Some(0.0),
-        },
-        ScatterAxis {
-            quantity: &quantity,
-            unit,
-            from: None,
-        },
+        over("candidate", "", Some(0.0)),
+        over(&quantity, unit, None),
     ];
     let title = format!("{}: candidates in the order of the search", record.scene);
-    scatter(&title, axes, &sets)
+    drawn(&title, axes, &series)
 }
 
 /// Candidates that no other one beats.
@@ -111,41 +95,21 @@ fn front(study: &StudyScene, record: &StudyRecord, result: &StudyResult) -> Draw
     };
     let others: Vec<[f64; 2]> = result.all.iter().filter_map(pair).collect();
     let knee: Vec<usize> = result.best.into_iter().collect();
-    let mut sets = vec![
-        set(
-            "does the job",
-            faded(BLUE, 0.3),
-            ScatterMarks::Dots(2.5),
-            others,
-        ),
-        set("front", GREEN, ScatterMarks::Line, of(&result.front)),
-        set(
-            "no other one beats it",
-            GREEN,
-            ScatterMarks::Dots(4.0),
-            of(&result.front),
-        ),
-        set(
-            "knee: best.toml",
-            VERMILLION,
-            ScatterMarks::Dots(6.0),
-            of(&knee),
-        ),
+    let mut series = vec![
+        Series::dots("does the job", 2.5, others).coloured(faded(BLUE, 0.3)),
+        Series::line("front", of(&result.front)).coloured(GREEN),
+        Series::dots("no other one beats it", 4.0, of(&result.front)).coloured(GREEN),
+        Series::dots("knee: best.toml", 6.0, of(&knee)).coloured(VERMILLION),
     ];
     if let Some(own) = &record.own.found {
-        let own = vec![scaled(own)];
-        sets.push(set(
-            "the scene itself",
-            ORANGE,
-            ScatterMarks::Dots(6.0),
-            own,
-        ));
+        let own = Series::dots("the scene itself", 6.0, vec![scaled(own)]);
+        series.push(own.coloured(ORANGE));
     }
-    let axes = shown.each_ref().map(|(quantity, unit, _)| ScatterAxis {
+    let axes = shown.each_ref().map(|(quantity, unit, _)| Over::Linear {
         quantity,
         unit,
         from: None,
     });
     let title = format!("{}: what one quantity costs in the other", record.scene);
-    scatter(&title, axes, &sets)
+    drawn(&title, axes, &series)
 }

@@ -1,6 +1,6 @@
 //! Files of a study, and its summary.
 
-use super::record::StudyRecord;
+use super::record::{StudyRecord, StudyResult};
 use super::{
     DesignArgs,
     document::{add_machines, document},
@@ -10,7 +10,7 @@ use crate::failure::CliError;
 use crate::results::ResultFolder;
 use crate::terminal::print;
 use std::path::Path;
-use trirrr_design::optimise::{Appraisal, StudyScene, best, front, with_values};
+use trirrr_design::optimise::{Appraisal, StudyScene, with_values};
 use trirrr_figures::document::{Facts, csv};
 use trirrr_scene::Scene;
 use trirrr_scene::read::Setting;
@@ -18,23 +18,6 @@ use trirrr_scene::read::Setting;
 /// Names of the scene of the best candidate, and of its machine where it has a file of its own.
 const BEST: &str = "best.toml";
 const BEST_MACHINE: &str = "best-machine.toml";
-
-/// Candidates with what follows from them.
-pub(super) struct StudyResult {
-    pub(super) all: Vec<Appraisal>,
-    /// Numbers in `all`, from 0.
-    pub(super) front: Vec<usize>,
-    pub(super) best: Option<usize>,
-}
-
-impl StudyResult {
-    fn of(record: &StudyRecord) -> Self {
-        let all = record.appraisals();
-        let front = front(&all, &record.objectives);
-        let best = best(&all, &record.objectives);
-        Self { all, front, best }
-    }
-}
 
 /// Names of the tables and scenes of a study.
 const FILES: [&str; 6] = [
@@ -92,11 +75,7 @@ pub(super) fn write(
         let title = format!("{}: study", record.scene);
         results.write("study.html", document.page(&title))?;
     }
-    let end = match record.partial {
-        true => Err("interrupted"),
-        false => Ok(()),
-    };
-    results.end(end)?;
+    results.end(record.partial.then_some("interrupted"))?;
     if result.best.is_none() {
         return Err(CliError::Failed(no_candidate(
             &result,
@@ -149,13 +128,6 @@ fn write_best(
         results.write(BEST_MACHINE, machine)?;
     }
     results.write(BEST, edited.scene).map(drop)
-}
-
-/// Arguments that make a candidate of the scene.
-pub(super) fn set_arguments(study: &StudyScene, each: &Appraisal) -> Vec<String> {
-    let settings = study.space.settings(&each.point);
-    let set = |setting: &Setting| format!("{}={}", setting.key(), setting.value());
-    settings.iter().map(set).collect()
 }
 
 /// Table of all candidates, or of those of the front.

@@ -8,7 +8,7 @@ mod record;
 use super::DesignArgs;
 use crate::arguments::scene_text;
 use crate::failure::CliError;
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use crate::terminal::bar;
 use record::StudyRecord;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -102,12 +102,8 @@ fn carried_out(
         }
     }
     let own = study.own();
-    let bar =
-        ProgressBar::with_draw_target(Some(plan.evaluations as u64), ProgressDrawTarget::stderr());
     let template = "{elapsed_precise} {wide_bar} {pos} of {len} candidates, {eta} left";
-    if let Ok(style) = ProgressStyle::with_template(template) {
-        bar.set_style(style);
-    }
+    let bar = bar(plan.evaluations as u64, template);
     let watch = SearchWatch {
         stop,
         told: &|| bar.inc(1),

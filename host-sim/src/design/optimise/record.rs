@@ -6,9 +6,11 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::path::Path;
 use trirrr_design::optimise::{
-    Appraisal, CandidateFault, DesignPoint, MapSettings, Objective, StudyMode, StudyScene,
+    Appraisal, CandidateFault, DesignPoint, MapSettings, Objective, StudyMode, StudyScene, best,
+    front,
 };
 use trirrr_scene::Scene;
+use trirrr_scene::read::Setting;
 use trirrr_scene::read::files::{self, LONGEST_TABLE};
 
 /// Version of the file.
@@ -255,4 +257,28 @@ pub(super) fn merged(
         .flat_map(|(_, _, record)| record.candidates.iter().cloned())
         .collect();
     Ok((study, whole))
+}
+
+/// Candidates with what follows from them.
+pub(super) struct StudyResult {
+    pub(super) all: Vec<Appraisal>,
+    /// Numbers in `all`, from 0.
+    pub(super) front: Vec<usize>,
+    pub(super) best: Option<usize>,
+}
+
+impl StudyResult {
+    pub(super) fn of(record: &StudyRecord) -> Self {
+        let all = record.appraisals();
+        let front = front(&all, &record.objectives);
+        let best = best(&all, &record.objectives);
+        Self { all, front, best }
+    }
+}
+
+/// Arguments that make a candidate of the scene.
+pub(super) fn set_arguments(study: &StudyScene, each: &Appraisal) -> Vec<String> {
+    let settings = study.space.settings(&each.point);
+    let set = |setting: &Setting| format!("{}={}", setting.key(), setting.value());
+    settings.iter().map(set).collect()
 }

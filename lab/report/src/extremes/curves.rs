@@ -13,7 +13,7 @@ use core::f64::consts::PI;
 use nalgebra::{Vector2, Vector3};
 use trirrr_core::machine::{Elbow, LinkParameters, Parameters};
 use trirrr_core::setpoint::{Pose, Setpoint};
-use trirrr_figures::loglog::{LogLog, Point, Series, draw};
+use trirrr_figures::scatter::{Over, Point, RADIUS, Scatter, Series, draw};
 
 /// Machines at each place of a curve.
 const MACHINES: usize = 40;
@@ -243,7 +243,8 @@ pub(super) fn write(page: &mut Page, like: &Parameters) -> Result<(), ReportErro
                     series.push(Series {
                         label: column.scalar.into(),
                         colour: of_number(column.scalar),
-                        joined: true,
+                        line: 1.8,
+                        radius: RADIUS,
                         points: Vec::new(),
                     });
                 }
@@ -259,10 +260,10 @@ pub(super) fn write(page: &mut Page, like: &Parameters) -> Result<(), ReportErro
     page.block("edges", true, &table.markdown());
     for (curve, series) in figures {
         let title = format!("Relative error, {}", curve.name);
-        let figure = LogLog {
+        let figure = Scatter {
             title: &title,
-            x: curve.axis,
-            y: "worst relative error",
+            x: Over::Decades(curve.axis),
+            y: Over::Decades("worst relative error"),
             series: &series,
             marks: &[],
             fronts: &[],

@@ -18,7 +18,7 @@ use cycles::{BOARDS, ModelledCycles};
 use error::{Errors, SceneErrors, Stage};
 use rayon::prelude::*;
 use trirrr_core::number::Number;
-use trirrr_figures::loglog::{Front, LogLog, Point, Series, draw, pareto_front};
+use trirrr_figures::scatter::{Front, Over, Point, RADIUS, Scatter, Series, draw, pareto_front};
 use trirrr_scene::{NumberType, Scene, in_number_type};
 
 /// The scenes whose ticks are counted and timed: massless links, and links with masses.
@@ -368,7 +368,8 @@ impl Cloud<'_> {
             Series {
                 label: each.scalar.to_string(),
                 colour: of_number(each.scalar.name()),
-                joined: false,
+                line: 0.0,
+                radius: RADIUS,
                 points: points.collect(),
             }
         });
@@ -388,10 +389,10 @@ impl Cloud<'_> {
             .map(of_mark)
             .chain([front("Pareto front", None)])
             .collect();
-        let figure = LogLog {
+        let figure = Scatter {
             title: self.title,
-            x: self.x,
-            y: self.y,
+            x: Over::Decades(self.x),
+            y: Over::Decades(self.y),
             series: &series,
             marks: self.marks,
             fronts: &fronts,

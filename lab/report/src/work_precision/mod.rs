@@ -17,7 +17,7 @@ use cases::{CASES, Case};
 use rayon::prelude::*;
 use trial::FOLLOWED;
 pub use trial::{COMPARED_S, Trial};
-use trirrr_figures::loglog::{LogLog, Point, Series, draw};
+use trirrr_figures::scatter::{Over, Point, RADIUS, Scatter, Series, draw};
 use trirrr_integrate as integrate;
 use trirrr_scene::{Method, Scene};
 
@@ -109,7 +109,8 @@ pub(super) fn write(page: &mut Page, progress: &Progress<'_>) -> Result<(), Repo
             .map(|tried| Series {
                 label: tried.name.into(),
                 colour: None,
-                joined: true,
+                line: 1.8,
+                radius: RADIUS,
                 points: tried
                     .trials
                     .iter()
@@ -122,10 +123,10 @@ pub(super) fn write(page: &mut Page, progress: &Progress<'_>) -> Result<(), Repo
                     .collect(),
             })
             .collect();
-        let figure = LogLog {
+        let figure = Scatter {
             title: &title,
-            x,
-            y,
+            x: Over::Decades(x),
+            y: Over::Decades(y),
             series: &series,
             marks: &[],
             fronts: &[],

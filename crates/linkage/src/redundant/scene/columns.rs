@@ -1,5 +1,6 @@
 //! Columns of `ticks.csv`: those of a 3-RRR for the legs there are, then torques of least norm, joint forces and sliders.
 
+use super::RedundantScene;
 use super::record::{RedundantLegRecord, RedundantRecord, SliderRecord};
 
 type OfLeg = (&'static str, fn(&RedundantLegRecord) -> f64);
@@ -40,16 +41,15 @@ const OF_PLATFORM: [&str; 10] = [
 ];
 const OF_MACHINE: [&str; 3] = ["parallel", "tau_norm", "tau_least_norm"];
 
-/// Returns the columns of a machine with legs such as those of `record`.
-pub fn columns(record: &RedundantRecord) -> Vec<String> {
+/// Returns the columns of the machine of `scene`.
+pub fn columns(scene: &RedundantScene) -> Vec<String> {
     let mut names: Vec<String> = OF_PLATFORM.map(str::to_owned).into();
     for (stem, _) in OF_LEGS {
-        names.extend((1..=record.legs.len()).map(|leg| format!("{stem}{leg}")));
+        names.extend((1..=scene.legs.len()).map(|leg| format!("{stem}{leg}")));
     }
     for (stem, _) in OF_SLIDERS {
-        let legs = record.legs.iter().enumerate();
-        let with_slider = legs.filter(|(_, leg)| leg.slider.is_some());
-        names.extend(with_slider.map(|(leg, _)| format!("{stem}{}", leg + 1)));
+        let legs = scene.slider_legs().into_iter();
+        names.extend(legs.map(|leg| format!("{stem}{}", leg + 1)));
     }
     names.extend(OF_MACHINE.map(str::to_owned));
     names

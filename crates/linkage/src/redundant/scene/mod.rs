@@ -63,7 +63,7 @@ pub struct RedundantScene {
 }
 
 /// Limits that a job must keep at every tick. A list has one number for each motor.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct RedundantLimits {
     /// rad/s.
     pub rate_rad_s: Option<Vec<f64>>,
@@ -116,6 +116,13 @@ impl RedundantScene {
             wrench_force_n: Vector2::from(self.wrench_force_n),
             wrench_torque_nm: self.wrench_torque_nm,
         })
+    }
+
+    /// Legs with a slider, from 0.
+    pub fn slider_legs(&self) -> Vec<usize> {
+        let legs = self.sliders.iter().enumerate();
+        legs.filter_map(|(leg, slider)| slider.map(|_| leg))
+            .collect()
     }
 
     /// Seconds per tick.

@@ -1,11 +1,10 @@
 //! Torques by Lagrange's equations beside those of a run: columns of `ticks.csv`, and the largest difference.
 
-use crate::recording::At;
-use crate::run::document::at;
+use super::At;
+use crate::tick_record::AnyTick;
 use trirrr_figures::document::{Facts, digits};
-use trirrr_linkage::redundant::scene::{RedundantRecord, RedundantScene};
+use trirrr_linkage::redundant::scene::{RedundantScene, SliderRecord};
 use trirrr_scene::Scene;
-use trirrr_scene::record::Record;
 use trirrr_scene::words::tick_time;
 use trirrr_truth::lagrange::{LagrangeLoads, LagrangeMachine, LagrangeState};
 
@@ -35,10 +34,6 @@ struct ComparedTick {
     state: LagrangeState,
     torques: Vec<f64>,
     forces: Vec<Option<f64>>,
-}
-
-fn platform(pose: &[f64; 3], velocity: &[f64; 3], acceleration: &[f64; 3]) -> [[f64; 3]; 3] {
-    [0, 1, 2].map(|axis: usize| [pose[axis], velocity[axis], acceleration[axis]])
 }
 
 impl LagrangeColumns {
@@ -76,35 +71,27 @@ impl LagrangeColumns {
         motors.chain(sliders).collect()
     }
 
-    /// Values of a row of a 3-RRR; not a number where the machine has no motion.
-    pub fn row(&mut self, record: &Record) -> Vec<f64> {
-        self.values(&ComparedTick {
-            t: record.t,
-            state: LagrangeState {
-                platform: platform(&record.pose, &record.velocity, &record.acceleration),
-                sliders: vec![[0.0; 3]; 3],
-            },
-            torques: record.legs.iter().map(|leg| leg.torque).collect(),
-            forces: vec![None; 3],
-        })
-    }
-
-    /// Values of a row of a redundant machine; not a number where the machine has no motion.
-    pub fn redundant_row(&mut self, record: &RedundantRecord) -> Vec<f64> {
-        let legs = || record.legs.iter();
-        let slider = |leg: &trirrr_linkage::redundant::scene::RedundantLegRecord| {
-            let slider = leg.slider.unwrap_or_default();
+    /// Values of a row; not a number where the machine has no motion.
+    pub fn row(&mut self, record: &AnyTick) -> Vec<f64> {
+        let sliders: Vec<Option<SliderRecord>> = match record.redundant() {
+            Some(record) => record.legs.iter().map(|leg| leg.slider).collect(),
+            None => vec![None; record.legs()],
+        };
+        let state = |slider: &Option<SliderRecord>| {
+            let slider = slider.unwrap_or_default();
             [slider.position, slider.velocity, slider.acceleration]
         };
+        let platform = record.platform();
         self.values(&ComparedTick {
-            t: record.t,
+            t: record.t(),
             state: LagrangeState {
-                platform: platform(&record.pose, &record.velocity, &record.acceleration),
-                sliders: legs().map(slider).collect(),
+                platform: [0, 1, 2].map(|axis| platform.map(|values| values[axis])),
+                sliders: sliders.iter().map(state).collect(),
             },
-            torques: legs().map(|leg| leg.leg.torque).collect(),
-            forces: legs()
-                .map(|leg| leg.slider.map(|slider| slider.force))
+            torques: record.each_leg().map(|leg| leg.torque).collect(),
+            forces: sliders
+                .iter()
+                .map(|it| it.map(|slider| slider.force))
                 .collect(),
         })
     }
@@ -169,9 +156,9 @@ impl LagrangeFound {
     pub fn record(&self) -> Facts {
         Facts::new()
             .text("lagrange", self.lines())
-            .data("torque_difference_nm", self.torque.map(at))
+            .data("torque_difference_nm", self.torque.map(At::facts))
             .data("greatest_torque_nm", self.greatest_torque)
-            .data("force_difference_n", self.force.map(at))
+            .data("force_difference_n", self.force.map(At::facts))
             .data("greatest_force_n", self.force.map(|_| self.greatest_force))
     }
 }
