@@ -5,11 +5,14 @@
 //! nowhere below that bound stays above every motion that begins below it (comparison of ordinary
 //! differential equations). Two rows with a <= P - Q x and a >= P' - Q' x leave x <= (P - P') / (Q - Q').
 //! Both hold for every motion, not only for those with constant acceleration in a cell.
+//!
+//! A power limit leaves less of a torque the greater x is: |torque| <= power / (|theta'| sqrt(x)). A curve that is nowhere below y stays above
+//! every motion if its slope is nowhere below what the limit leaves at y, since it leaves no more where x is greater.
 
 use crate::cell::Cell;
 use crate::extreme::{greater, lesser, unbounded};
 use crate::passes::{next_joint, time_between};
-use crate::rows::ModelRow;
+use crate::rows::{ModelRow, PowerLimit, Rows};
 use heapless::Vec;
 use trirrr_core::number::Arithmetic;
 use trirrr_service::admission::{Enclose, ModelLine, TaylorModel};
@@ -24,9 +27,20 @@ struct Side<T> {
     square: T,
 }
 
+/// |a - base + square x| <= size power / (rate sqrt(x)).
+#[derive(Clone, Copy, Debug)]
+struct PowerSides<B> {
+    base: ModelLine<B>,
+    size: ModelLine<B>,
+    square: ModelLine<B>,
+    /// The limit over the least |theta'|: the greatest torque at x = 1.
+    torque: B,
+}
+
 /// Bounds of any motion through a cell.
 #[derive(Clone, Debug)]
 pub struct Possible<B> {
+    powers: Vec<PowerSides<B>, 3>,
     above: Vec<Side<ModelLine<B>>, ROWS>,
     below: Vec<Side<ModelLine<B>>, ROWS>,
     /// Above every x that some a keeps within the limits.
@@ -113,8 +127,9 @@ pub fn least_time<B: Arithmetic>(
 }
 
 impl<B: Arithmetic> Possible<B> {
-    /// What `rows` leave possible in a cell of `length`.
-    pub(crate) fn of<N: Enclose<Bound = B>>(rows: &[ModelRow<N>], length: B) -> Self {
+    /// What the limits leave possible in a cell of `length`.
+    pub(crate) fn of<N: Enclose<Bound = B>>(limits: &Rows<TaylorModel<N>, B>, length: B) -> Self {
+        let rows = &limits.rows[..];
         let mut above: Vec<Side<TaylorModel<N>>, ROWS> = Vec::new();
         let mut below: Vec<Side<TaylorModel<N>>, ROWS> = Vec::new();
         let sides = rows.iter().filter_map(sides);
@@ -136,13 +151,20 @@ impl<B: Arithmetic> Possible<B> {
             ends,
             above: lines(&above),
             below: lines(&below),
+            powers: limits
+                .powers
+                .iter()
+                .filter_map(PowerSides::of::<N>)
+                .collect(),
         }
     }
 
     /// The least of the curves above all motions from x <= `start`.
     fn from(&self, start: B, length: B) -> Option<Above<B>> {
         let curves = self.above.iter();
-        lowest(curves.map(|side| curve(start, length, side.limit, side.square)))
+        let curves = curves.map(|side| curve(start, length, side.limit, side.square));
+        let powers = self.powers.iter();
+        lowest(curves.chain(powers.map(|power| power.from(start, length))))
     }
 
     /// The least of the curves above all motions to x <= `end`: those of the time that runs backwards.
@@ -158,7 +180,81 @@ impl<B: Arithmetic> Possible<B> {
             };
             curve(end, length, limit, square).map(Above::mirrored)
         });
-        lowest(curves)
+        let powers = self.powers.iter();
+        let powers = powers.map(|power| power.reversed().from(end, length).map(Above::mirrored));
+        lowest(curves.chain(powers))
+    }
+}
+
+impl<B: Arithmetic> PowerSides<B> {
+    /// None where the coefficient of a or theta' may vanish in the cell.
+    fn of<N: Enclose<Bound = B>>(power: &PowerLimit<TaylorModel<N>, B>) -> Option<Self> {
+        let coefficient = power.torque.acceleration?;
+        let inverse = TaylorModel::<N>::ONE.div(coefficient);
+        let size = if coefficient > TaylorModel::ZERO {
+            inverse
+        } else if coefficient < TaylorModel::ZERO {
+            -inverse
+        } else {
+            return None;
+        };
+        let torque = power.limit.div(power.least_rate);
+        let is_known = torque > B::ZERO && torque < unbounded();
+        is_known.then(|| Self {
+            base: (-(power.torque.rest * inverse)).line(),
+            size: size.line(),
+            square: (power.torque.square * inverse).line(),
+            torque: torque + torque * (B::UNIT_ROUNDOFF * B::from_f64(16.0)),
+        })
+    }
+
+    /// The same in time that runs backwards.
+    fn reversed(&self) -> Self {
+        let turned = |line: ModelLine<B>| ModelLine {
+            constant: -line.constant,
+            ..line
+        };
+        Self {
+            base: turned(self.base),
+            size: ModelLine {
+                slope: -self.size.slope,
+                ..self.size
+            },
+            square: turned(self.square),
+            torque: self.torque,
+        }
+    }
+
+    /// A curve above all motions from x <= `start`, if there is one.
+    fn from(&self, start: B, length: B) -> Option<Above<B>> {
+        let mut least = start;
+        for _ in 0..2 {
+            if !(least > B::ZERO) {
+                return None;
+            }
+            let torque = self.torque.div(least.sqrt());
+            let curve = curve(start, length, self.limit(torque), self.square)?;
+            let lowest = lesser(curve.start, curve.end) - curve.bulge;
+            if lowest >= least {
+                return Some(curve);
+            }
+            // The next curve lies above this one, and so above its least value.
+            least = lowest;
+        }
+        None
+    }
+
+    /// Greatest a at rest for this torque.
+    fn limit(&self, torque: B) -> ModelLine<B> {
+        let Self { base, size, .. } = *self;
+        let rounding = B::UNIT_ROUNDOFF * B::from_f64(8.0);
+        let sizes = base.constant.abs() + base.slope.abs();
+        let parts = torque * (size.constant.abs() + size.slope.abs());
+        ModelLine {
+            constant: base.constant + torque * size.constant,
+            slope: base.slope + torque * size.slope,
+            error: base.error + torque * size.error + (sizes + parts) * rounding,
+        }
     }
 }
 

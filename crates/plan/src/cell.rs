@@ -373,6 +373,7 @@ impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
             if let Some(limits) = self.limits().power {
                 let power = PowerLimit {
                     rate: rates[motor].magnitude(),
+                    least_rate: rates[motor].least_magnitude(),
                     torque: Row {
                         what: Limited::Power(motor),
                         ..torque(limits[motor])
@@ -532,7 +533,7 @@ impl<N: Enclose> Measured<N> {
 
     /// Bounds of any motion through the stretch.
     pub fn possible(&self) -> Possible<N::Bound> {
-        Possible::of(&self.limits.rows, self.length)
+        Possible::of(&self.limits, self.length)
     }
 }
 

@@ -46,8 +46,9 @@ pub(crate) type ModelRow<N> = Row<TaylorModel<N>, <N as Enclose>::Bound>;
 /// Limit of the power of one motor: |torque| |theta'| u <= limit.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PowerLimit<T, B> {
-    /// Greatest |theta'| of the cell.
+    /// Greatest |theta'| of the cell, and the least.
     pub(crate) rate: B,
+    pub(crate) least_rate: B,
     /// The torque, with an unused limit.
     pub(crate) torque: Row<T, B>,
     pub(crate) limit: B,
@@ -123,6 +124,7 @@ impl<T: Copy, B: Copy> Rows<T, B> {
     pub(crate) fn convert<U: Copy>(&self, each: impl Fn(T) -> U + Copy) -> Rows<U, B> {
         let power = |power: &PowerLimit<T, B>| PowerLimit {
             rate: power.rate,
+            least_rate: power.least_rate,
             torque: power.torque.convert(each),
             limit: power.limit,
         };
