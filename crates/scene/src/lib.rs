@@ -11,6 +11,7 @@
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
 #![forbid(unsafe_code)]
 
+mod autonomous;
 mod blocks;
 mod carried;
 pub mod cases;
@@ -69,6 +70,7 @@ mod way;
 mod whole;
 pub mod words;
 
+pub use autonomous::Autonomous;
 pub use blocks::{BlockCutter, PathBlock};
 pub use carried::{CarriedTools, ToolBody};
 pub use contact::{Contact, ContactFriction};

@@ -1,5 +1,6 @@
 //! Reading a whole scene: its tables, then its job.
 
+use crate::autonomous::check_tables;
 use crate::contact::{ContactNeeds, read_contact};
 use crate::controller::{Controller, read_controller};
 use crate::drive::{Drive, DriveKind, read_drives};
@@ -293,6 +294,7 @@ fn read_scene(
         plant: None,
         tolerances: tolerances?,
     };
+    check_tables(root, &scene);
     if let Some(port) = &scene.tool {
         check_tool(document, port, &placed, scene.tick_rate_hz);
     }
@@ -314,6 +316,13 @@ fn read_scene(
     if let Some(plant) = plant.filter(|_| depth == ReadDepth::Whole) {
         let duration_s = f64::from(scene.ticks()) / scene.tick_rate_hz;
         scene.plant = Some(plant.checked(root, duration_s)?);
+    }
+    if let Some(reason) = scene.open_end() {
+        let place = Place {
+            value: None,
+            ..root.place_of("job")
+        };
+        document.refuse(&place, reason);
     }
     let places = Places {
         legs: Place {

@@ -74,17 +74,21 @@ pub type NoDriveTimer = ();
 // `inline`: compiled for speed in the board's crate.
 
 impl Outputs for Steppers<'_, Scalar> {
-    #[inline(always)]
+    // Without a host for size, as the tick.
+    #[cfg_attr(autonomous, inline(never))]
+    #[cfg_attr(not(autonomous), inline(always))]
     fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
         Steppers::apply(self, output)
     }
 
-    #[inline]
+    #[cfg_attr(autonomous, inline(never))]
+    #[cfg_attr(not(autonomous), inline)]
     fn angles(&self) -> Option<[Angle; 3]> {
         Some(Steppers::angles(self))
     }
 
-    #[inline]
+    #[cfg_attr(autonomous, inline(never))]
+    #[cfg_attr(not(autonomous), inline)]
     fn shift(&mut self, by: [Angle; 3]) {
         Steppers::shift(self, by);
     }

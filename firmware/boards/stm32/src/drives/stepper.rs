@@ -40,15 +40,15 @@ impl Outputs for CheckedSteppers {
         if output.is_on() && !self.runs {
             return Err(too_slow());
         }
-        self.steppers.apply(output)
+        Outputs::apply(&mut self.steppers, output)
     }
 
     fn angles(&self) -> Option<[Angle; 3]> {
-        Some(self.steppers.angles())
+        Outputs::angles(&self.steppers)
     }
 
     fn shift(&mut self, by: [Angle; 3]) {
-        self.steppers.shift(by);
+        Outputs::shift(&mut self.steppers, by);
     }
 }
 
