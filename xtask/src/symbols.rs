@@ -139,7 +139,7 @@ const MARKS: &[Mark] = &[
     },
     Mark {
         what: "a log",
-        names: &["9log_start"],
+        names: &["_defmt_write"],
         used: has_host,
     },
     Mark {

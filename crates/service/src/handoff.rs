@@ -55,7 +55,7 @@ impl<N: Number, K: CurveKind> QueuedMove<N, K> {
         Some(Self::new(&Offered::of(admitted)?, paces, 0, period))
     }
 
-    #[inline]
+    #[inline(always)]
     pub(crate) fn new(
         offered: &Offered<N, K>,
         paces: MovePaces,

@@ -23,7 +23,7 @@
 mod alone;
 #[cfg(all(target_os = "none", not(autonomous)))]
 mod background;
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", not(autonomous)))]
 pub mod cause;
 #[cfg(target_os = "none")]
 pub mod digital;
@@ -58,6 +58,8 @@ mod ruled_switches;
 pub mod scene;
 #[cfg(all(target_os = "none", not(autonomous)))]
 mod service;
+#[cfg(all(target_os = "none", autonomous))]
+pub mod short_cause;
 #[cfg(all(target_os = "none", drive = "stepper"))]
 pub mod slots;
 #[cfg(all(target_os = "none", scene_over_line))]
@@ -79,6 +81,8 @@ use alone as service;
 pub use alone::Background;
 #[cfg(all(target_os = "none", update, feature = "stm32g474"))]
 pub use image_flash::is_lost_expected;
+#[cfg(all(target_os = "none", autonomous))]
+pub use short_cause as cause;
 #[cfg(all(target_os = "none", update))]
 pub use update::ImageLabel;
 #[cfg(all(target_os = "none", not(autonomous)))]

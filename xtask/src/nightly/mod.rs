@@ -523,6 +523,8 @@ fn steps() -> Result<Vec<Step>> {
     steps.push(Step::chore("a raster image of ten minutes", &raster)?);
     let failures = ["emulate", "--part", "failures"];
     steps.push(Step::chore("injected failures", &failures)?);
+    let alone = ["emulate", "--part", "alone"];
+    steps.push(Step::chore("a board without a host", &alone)?);
     steps.push(Step::chore(
         "torques of MuJoCo and Pinocchio",
         &["simulators"],

@@ -66,7 +66,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
         if let Some(probe) = self.features.probe.get_mut() {
             probe.touch(contact);
         }
-        self.unreported = true;
+        self.note_change();
         self.transition_to(State::Stopping, Acting::Probe);
     }
 

@@ -17,7 +17,7 @@ pub use output::{Output, Power};
 
 use super::feed::{FeedScale, PathPosition};
 use super::guard::{Guard, LimitBreach};
-use super::handoff::{QueuedMove, SharedCounters};
+use super::handoff::QueuedMove;
 use super::pace::{FULL, Pace, RoomCount};
 use super::settings::Settings;
 use crate::feature::Optional;
@@ -272,7 +272,9 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E>
             shared.tick.store(self.clock, Ordering::Relaxed);
         }
         let runs = self.tool_runs();
-        self.unreported |= self.features.settle(runs, self.clock);
+        if self.features.settle(runs, self.clock) {
+            self.note_change();
+        }
         E::report(self, &setpoint);
         self.features.sample(self.clock);
         &self.output
@@ -295,7 +297,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E>
         let probe = self.features.probe.get_mut();
         let probed = probe.is_some_and(|probe| probe.read(readings.probe));
         if changed | probed {
-            self.unreported = true;
+            self.note_change();
         }
     }
 
@@ -350,11 +352,11 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E>
     /// period; the [output](Foreground::output) is off then.
     #[inline]
     pub fn report_timing(&mut self, duration: u32, period: u32) -> bool {
-        self.sampling.duration = duration;
-        if let Some(shared) = self.ends.shared()
-            && duration > shared.longest.load(Ordering::Relaxed)
-        {
-            shared.longest.store(duration, Ordering::Relaxed);
+        if let Some(shared) = self.ends.shared() {
+            self.sampling.duration = duration;
+            if duration > shared.longest.load(Ordering::Relaxed) {
+                shared.longest.store(duration, Ordering::Relaxed);
+            }
         }
         let in_time = duration <= period;
         if !in_time {
@@ -372,6 +374,10 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E>
 
     #[cold]
     fn overrun(&mut self, duration: u32, period: u32) {
+        if self.ends.shared().is_none() {
+            // Nobody is told how late it was.
+            return self.raise(FaultCode::Overrun, None, N::ONE, N::ONE);
+        }
         // Two periods are the most that every board can tell.
         let late = (duration - period).min(period);
         let value = N::ONE + N::ratio(late, period);
@@ -408,7 +414,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E>
             self.drop_queue();
             self.transition_to(State::Cleared, Acting::Nothing);
         }
-        self.unreported = true;
+        self.note_change();
         true
     }
 
@@ -454,10 +460,18 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E>
         self.transition_to(State::Stopping, Acting::Silence);
     }
 
+    /// Something changed that was not reported, if anybody is told.
+    #[inline(always)]
+    pub(super) fn note_change(&mut self) {
+        if self.ends.shared().is_some() {
+            self.unreported = true;
+        }
+    }
+
     fn transition_to(&mut self, state: State, acting: Acting) {
         if self.state != state || self.acting != acting {
-            if let Some(shared) = self.ends.shared() {
-                self.since = self.account(shared, state, acting);
+            if self.ends.shared().is_some() {
+                self.account(state, acting);
             }
             if !plays(state) {
                 self.leave();
@@ -468,13 +482,16 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E>
             self.features.enter(state, plays(state));
             self.state = state;
             self.acting = acting;
-            self.unreported = true;
+            self.note_change();
         }
     }
 
-    /// Counts the ticks of what ends here: a wait for moves, a way to rest. Returns the tick in which the next began.
+    /// Counts the ticks of what ends here: a wait for moves, a way to rest.
     #[inline(never)]
-    fn account(&self, shared: &SharedCounters, state: State, acting: Acting) -> u32 {
+    fn account(&mut self, state: State, acting: Acting) {
+        let Some(shared) = self.ends.shared() else {
+            return;
+        };
         let took = self.clock.wrapping_sub(self.since);
         let was_dry = self.acting == Acting::QueueDry;
         let slows = |state| matches!(state, State::Slowing | State::Stopping | State::Reacting);
@@ -492,9 +509,8 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E>
             true => acting == Acting::QueueDry,
             false => slows(self.state) && slows(state) && acting != Acting::QueueDry,
         };
-        match goes_on {
-            true => self.since,
-            false => self.clock,
+        if !goes_on {
+            self.since = self.clock;
         }
     }
 
@@ -513,7 +529,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E>
         self.travel.feed.end();
         self.travel.held = false;
         self.job.done = self.job.begun;
-        self.unreported = true;
+        self.note_change();
     }
 
     /// The tool of the job goes off for good. The first place of a job counts: on the way to rest the path is left without the tool.
@@ -535,7 +551,9 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E>
     /// The job is over: a host is told where it was left, if it was.
     #[inline(never)] // size: docs/size.md, rule 3
     fn tell_left(&mut self) {
-        if let Some(left) = self.job.left.take() {
+        if let Some(left) = self.job.left.take()
+            && self.ends.shared().is_some()
+        {
             self.job.interrupted = Some(left);
         }
     }

@@ -272,7 +272,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
                 }
                 if self.job.done != self.job.begun {
                     self.job.done = self.job.begun;
-                    self.unreported = true;
+                    self.note_change();
                 }
                 let more = self.next_move().is_some();
                 if self.rests_here(more) {

@@ -104,7 +104,6 @@ pub struct OwnJob<'q, S: Scene, const PACED: bool> {
     /// The way is the recovery that waits or is under way.
     on_way: bool,
     button: DebouncedInput,
-    has_button: bool,
     is_pressed: bool,
     /// Somebody asked for the job: it is on its way.
     is_wanted: bool,
@@ -150,7 +149,6 @@ where
             way: parts.homing.map(|(_, way)| way),
             on_way: false,
             button: DebouncedInput::active(parts.button.map_or(1, |button| button.debounce_ticks)),
-            has_button: parts.button.is_some(),
             is_pressed: false,
             is_wanted: parts.begins == JobStart::Power,
             settling: parts.interlocks.settling_ticks(),
@@ -240,8 +238,8 @@ impl<N: ServiceNumber, S: Scene<N = N>, const PACED: bool> TickEnds<S> for OwnJo
 
     #[inline]
     fn sense(&mut self, readings: InterlockReadings) {
-        let changes = self.has_button && self.button.read(readings.button);
-        self.is_pressed |= changes && self.button.is_active();
+        // Without a button no reading is active.
+        self.is_pressed |= self.button.read(readings.button) && self.button.is_active();
     }
 
     #[inline(always)]

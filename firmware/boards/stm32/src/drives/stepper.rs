@@ -112,6 +112,8 @@ pub(crate) fn build(parts: DriveParts) -> (CheckedSteppers, SlotTimer) {
     if runs {
         timer.start(clocks.timers, SLOT_HZ);
     } else {
+        // Without a host there is no log.
+        #[cfg(not(autonomous))]
         defmt::error!(
             "{=u32} slots per second are too many for {=u32} Hz",
             SLOT_HZ,
