@@ -311,7 +311,8 @@ mod tests {
     #[test]
     fn what_is_held_without_use_is_named_with_its_symbol() {
         let centred = "_RNv7payload7CentredNtB2_";
-        assert_eq!(complaint("thesis", &[centred]), None);
+        let own: Vec<&str> = [centred].into_iter().chain(OF_HOST).collect();
+        assert_eq!(complaint("thesis", &own), None);
         for (symbol, what) in [
             ("_RNv5links7Massive", "link inertia"),
             ("_RNv7payload6Offset", "an offset payload"),
@@ -338,8 +339,28 @@ mod tests {
                 "values as text",
             ),
         ] {
-            let said = complaint("thesis", &[centred, symbol]).expect(what);
+            let said = complaint("thesis", &[&own[..], &[symbol]].concat()).expect(what);
             assert!(said.contains(what) && said.contains(symbol), "{said}");
+        }
+    }
+
+    /// Symbols of an image whose machine a host talks to.
+    const OF_HOST: [&str; 4] = [
+        "_RNv5model11TaylorModel3add",
+        "_RNv7service10background4step",
+        "_RNv8protocol4wire6encode",
+        "_defmt_write",
+    ];
+
+    #[test]
+    fn an_image_without_a_host_has_nothing_of_one() {
+        let own = "_RNv7service7own_job15take_own_order";
+        let scene = "autonomous/thesis-alone";
+        assert_eq!(complaint(scene, &[own]), None);
+        assert!(complaint(scene, &[]).is_some_and(|said| said.contains("a job of its own")));
+        for symbol in OF_HOST {
+            let said = complaint(scene, &[own, symbol]).expect(symbol);
+            assert!(said.contains(symbol), "{said}");
         }
     }
 
