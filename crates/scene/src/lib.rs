@@ -42,6 +42,7 @@ mod number_type;
 mod obstacle;
 pub mod offer;
 mod outputs;
+mod own_job;
 mod path;
 mod peak;
 pub mod pipeline;

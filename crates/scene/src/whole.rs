@@ -1,6 +1,5 @@
 //! Reading a whole scene: its tables, then its job.
 
-use crate::autonomous::check_tables;
 use crate::contact::{ContactNeeds, read_contact};
 use crate::controller::{Controller, read_controller};
 use crate::drive::{Drive, DriveKind, read_drives};
@@ -15,6 +14,7 @@ use crate::kind::refuse_redundant;
 use crate::limits::read_limits;
 use crate::machine::read_parameters;
 use crate::number_type::NumberType;
+use crate::own_job::check_tables;
 use crate::path::check_job;
 use crate::planning::plan_path;
 use crate::plant::read_plant;

@@ -87,7 +87,7 @@ pub use interlock::{
 };
 pub use levels::check_levels;
 pub use number::ServiceNumber;
-pub use own_job::{FOREVER, JobStart, OwnJob, OwnJobParts};
+pub use own_job::{FOREVER, JobStart, OwnHoming, OwnJob, OwnJobParts};
 pub use pace::{MovePaces, Pace, Ramp};
 pub use planner::{PathPlanner, PathStep, Planning};
 pub use scene::{

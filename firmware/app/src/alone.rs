@@ -1,5 +1,6 @@
 //! Service of a scene without a host: the tick, with the job in flash, and what is left to do below it.
 
+pub(crate) use self::LoneForeground as SceneForeground;
 use crate::heartbeat::Monitor;
 use crate::inputs::{Angle, Closed};
 use crate::scene::{self, Curves, Model, Scalar};
@@ -14,14 +15,8 @@ trirrr_service::scene! {
     interlocks = scene::Interlocks
 }
 
-/// Readings of drives that tell nothing.
-pub type Readings = trirrr_service::Readings<Scalar>;
-
-/// Output of a tick.
-pub type Output = trirrr_service::Output<Scalar>;
-
 /// The tick, with the job of the scene.
-pub(crate) type SceneForeground =
+pub(crate) type LoneForeground =
     trirrr_service::Foreground<'static, ImageScene, OwnJob<'static, ImageScene, { scene::PACED }>>;
 
 /// Plays a tick.

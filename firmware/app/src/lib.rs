@@ -95,7 +95,8 @@ pub use {
 pub use {
     heartbeat::WATCHDOG_MS,
     lamp::LampPin,
-    service::{Channels, Output, Readings, build},
+    outputs::{Output, Readings},
+    service::{Channels, build},
     tick::Tick,
     tick_clock::{TickClock, period},
 };

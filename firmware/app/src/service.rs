@@ -51,9 +51,6 @@ trirrr_service::scene! {
     digital = scene::Digital
 }
 
-/// Content of what the drives tell in a tick.
-pub type Readings = trirrr_service::Readings<Scalar>;
-
 /// A part of the scene in a reply.
 type ScenePart = PartOf<ImageScene>;
 
@@ -74,9 +71,6 @@ pub(crate) type MessageRef<'m> = message::MessageRef<'m, Scalar, ScenePart>;
 
 /// Request of the host.
 pub(crate) type Request = trirrr_service::RequestOf<ImageScene>;
-
-/// Output of a tick.
-pub type Output = trirrr_service::Output<Scalar>;
 
 /// Plays a tick: for speed, in the board's crate.
 #[inline(always)]

@@ -8,10 +8,8 @@ use trirrr_protocol::message::{NAME_CAPACITY, Start};
 /// "TRIR". RAM after power-on hardly holds this word, and a kind with its complement behind it.
 const MARK: u32 = 0x5452_4952;
 
-type Words = [u32; 3];
-
 #[unsafe(link_section = ".uninit.cause")]
-static mut KEPT: MaybeUninit<Words> = MaybeUninit::uninit();
+static mut KEPT: MaybeUninit<[u32; 3]> = MaybeUninit::uninit();
 
 /// The program has failed, the crystal has stopped, the supply has sagged.
 const PROGRAM: u32 = 1;
@@ -50,13 +48,13 @@ pub fn take() -> Option<Start> {
     }
 }
 
-fn write(words: Words) {
+fn write(words: [u32; 3]) {
     // SAFETY: only `read` and `write` touch the words: at the start before any interrupt is on, and at
     // the end when nothing else runs any more.
     unsafe { write_volatile(&raw mut KEPT, MaybeUninit::new(words)) };
 }
 
-fn read() -> Words {
+fn read() -> [u32; 3] {
     // SAFETY: as in `write`. Any bits are valid words. Volatile: the compiler must not assume a value.
-    unsafe { read_volatile((&raw const KEPT).cast::<Words>()) }
+    unsafe { read_volatile((&raw const KEPT).cast::<[u32; 3]>()) }
 }

@@ -31,8 +31,8 @@ const AROUND: usize = 20;
 /// Longest time that the emulator may take for an answer.
 const ANSWER: Duration = Duration::from_secs(20);
 
-/// Words of the tick's memory.
-type Words = Vec<u32>;
+/// TickMemory of the tick's memory.
+type TickMemory = Vec<u32>;
 
 pub(super) fn run(clients: &Clients) -> Result<()> {
     let file = repository::root().join(SCENE).display().to_string();
@@ -47,7 +47,7 @@ pub(super) fn run(clients: &Clients) -> Result<()> {
         // Behind the job: the angles of its last tick.
         let rest = memories.get(first + expected.len()..).unwrap_or_default();
         let last = expected.last().context("a job of a tick at least")?;
-        let stands = |words: &Words| last[..3].iter().all(|bits| words.contains(bits));
+        let stands = |words: &TickMemory| last[..3].iter().all(|bits| words.contains(bits));
         let stands = rest.iter().all(stands);
         ensure!(
             stands && !rest.is_empty(),
@@ -63,7 +63,7 @@ pub(super) fn run(clients: &Clients) -> Result<()> {
 }
 
 /// The bits of all motors in each tick of `ticks.csv`.
-fn table(file: &Path) -> Result<Vec<Words>> {
+fn table(file: &Path) -> Result<Vec<TickMemory>> {
     let mut reader = csv::Reader::from_path(file)?;
     let headings = reader.headers()?.clone();
     let places = MOTORS.map(|name| headings.iter().position(|heading| heading == name));
@@ -77,13 +77,13 @@ fn table(file: &Path) -> Result<Vec<Words>> {
             let value: f64 = text.parse()?;
             Ok((value as f32).to_bits())
         });
-        rows.push(bits.collect::<Result<Words>>()?);
+        rows.push(bits.collect::<Result<TickMemory>>()?);
     }
     Ok(rows)
 }
 
 /// Returns true if for each column of `expected` one word of the memory has its bits in every tick.
-fn has_motors(memories: &[Words], expected: &[Words]) -> bool {
+fn has_motors(memories: &[TickMemory], expected: &[TickMemory]) -> bool {
     let words = memories.first().map_or(0, Vec::len);
     (0..MOTORS.len()).all(|column| {
         (0..words).any(|word| {
@@ -106,12 +106,12 @@ fn symbol(elf: &Elf, end: &str) -> Result<(u64, u64)> {
 }
 
 /// Returns the memory of the tick before each of the first `count` ticks.
-fn memories(image: &Path, count: usize) -> Result<Vec<Words>> {
+fn memories(image: &Path, count: usize) -> Result<Vec<TickMemory>> {
     let ((tick, _), (memory, bytes)) = with_elf(image, |elf| {
         let memory = symbol(elf, "__rtic_internal_local_resource_tick")?;
         Ok((symbol(elf, "SysTick")?, memory))
     })?;
-    let mut emulator = Emulator::boot(image)?;
+    let mut emulator = SteppedBoard::boot(image)?;
     // A breakpoint on two bytes of Thumb code.
     emulator.ask(&format!("Z0,{:x},2", tick & !1))?;
     let mut memories = Vec::with_capacity(count);
@@ -124,18 +124,18 @@ fn memories(image: &Path, count: usize) -> Result<Vec<Words>> {
             let value = u32::from_str_radix(std::str::from_utf8(hex)?, 16)?;
             Ok(value.swap_bytes())
         });
-        memories.push(words.collect::<Result<Words>>()?);
+        memories.push(words.collect::<Result<TickMemory>>()?);
     }
     Ok(memories)
 }
 
 /// An emulator that stops where it is told, by the remote protocol of GDB.
-struct Emulator {
+struct SteppedBoard {
     child: Child,
     orders: TcpStream,
 }
 
-impl Emulator {
+impl SteppedBoard {
     fn boot(image: &Path) -> Result<Self> {
         let port = TcpListener::bind("127.0.0.1:0")?.local_addr()?.port();
         let child = Command::new("qemu-system-arm")
@@ -195,7 +195,7 @@ impl Emulator {
     }
 }
 
-impl Drop for Emulator {
+impl Drop for SteppedBoard {
     fn drop(&mut self) {
         let _ = self.child.kill();
         let _ = self.child.wait();

@@ -47,6 +47,9 @@ pub enum JobStart {
 
 to_source!(pub JobStart in trirrr_service: Button, Power);
 
+/// Homing, and the way from where it ends to the start of the job.
+pub type OwnHoming<'q, N> = (&'q HomingCoefficients<N>, &'q Recover<N>);
+
 /// All that a machine without a host is built from, in its units.
 pub struct OwnJobParts<'q, S: Scene> {
     /// Coefficients of the tick.
@@ -67,7 +70,7 @@ pub struct OwnJobParts<'q, S: Scene> {
     /// The button, if there is one.
     pub button: Option<ButtonInput>,
     /// Homing, and the way from where it ends to the start.
-    pub homing: Option<(&'q HomingCoefficients<S::N>, &'q Recover<S::N>)>,
+    pub homing: Option<OwnHoming<'q, S::N>>,
     /// Emergency stop, door and limit switches.
     pub interlocks: InterlockParameters,
 }

@@ -1,5 +1,6 @@
 //! Transmitter of the log at a serial port.
 
+pub(crate) use self::LogWriter as LogTransmitter;
 use crate::board::{LogPort, LogTransmit};
 use crate::clock::PortRates;
 use rp2040_hal::fugit::RateExtU32;
@@ -14,7 +15,7 @@ type LogPin = Pin<<<LogTransmit as BoardPin>::Plain as AnyPin>::Id, FunctionUart
 type LogPins = uart::Pins<OptionTSome<LogPin>, OptionTNone, OptionTNone, OptionTNone>;
 
 /// Transmitter of the log.
-pub(crate) type LogTransmitter = Writer<LogPort, LogPins>;
+pub(crate) type LogWriter = Writer<LogPort, LogPins>;
 
 /// Starts the port of the log at its pin.
 pub(crate) fn start_log(
@@ -22,7 +23,7 @@ pub(crate) fn start_log(
     port: LogPort,
     resets: &mut RESETS,
     clocks: &PortRates,
-) -> LogTransmitter {
+) -> LogWriter {
     let settings = UartConfig::new(LOG_BAUD.Hz(), DataBits::Eight, None, StopBits::One);
     let pins = uart::Pins::default().tx(pin.plain().reconfigure());
     let log = UartPeripheral::new(port, pins, resets).enable(settings, clocks.peripheral);

@@ -1,20 +1,20 @@
 //! No line and no log: the image plays its job without a host, and leaves the pins of both alone.
 
+pub(crate) use self::{
+    NoMemory as LineMemory, NoPort as ByteReceiver, NoPort as LineTransmitter,
+    NoPort as LogTransmitter, NoPort as PacketReceiver,
+};
 use crate::board::{LinePins, LinePort, LogPort, LogTransmit};
 use crate::clock::PortRates;
 use rp2040_hal::pac::RESETS;
 
 /// No part of a line.
-pub(crate) type ByteReceiver = ();
-pub(crate) type PacketReceiver = ();
-pub(crate) type LineReceiver = ();
-pub(crate) type LineTransmitter = ();
-pub(crate) type LogTransmitter = ();
+pub(crate) type NoPort = ();
 
 /// No memory.
-pub(crate) struct LineMemory;
+pub(crate) struct NoMemory;
 
-impl LineMemory {
+impl NoMemory {
     pub(crate) const fn new() -> Self {
         Self
     }
@@ -22,7 +22,7 @@ impl LineMemory {
 
 /// Starts nothing.
 pub(crate) fn start(
-    _: &mut LineMemory,
+    _: &mut NoMemory,
     _: (LinePort, LinePins),
     _: &mut RESETS,
     _: PortRates,

@@ -13,9 +13,7 @@ mod app {
     use crate::board::{self, FIRMWARE, InputPins, OutputPins, Pins, ToolPart};
     use crate::clock::{self, CORE_HZ};
     use crate::drives::{self, DriveTimer, Drives};
-    use crate::line::{
-        self, ByteReceiver, LineMemory, LineReceiver, LineTransmitter, PacketReceiver,
-    };
+    use crate::line::{self, ByteReceiver, LineMemory, LineTransmitter, PacketReceiver};
     use crate::log::{self, LogTransmitter};
     use crate::pins::Ports;
     use crate::start;
@@ -40,7 +38,7 @@ mod app {
         packets: PacketReceiver,
         tick: Tick<BoardInputs, BoardOutputs>,
         slot: DriveTimer,
-        background: Background<LineTransmitter, LogTransmitter, LineReceiver>,
+        background: Background<LineTransmitter, LogTransmitter>,
         watchdog: Watchdog,
     }
 

@@ -20,9 +20,6 @@ use trirrr_boards::BoardPin;
 /// Capacity of the receiver, bytes.
 const FIFO: usize = 32;
 
-/// Receiver's end in the background.
-pub(crate) type LineReceiver = Consumer<'static, u8>;
-
 /// Pin of a transmitter.
 pub(crate) type Transmit<P> = Pin<<<P as BoardPin>::Plain as AnyPin>::Id, FunctionUart, PullNone>;
 type PortPins = (

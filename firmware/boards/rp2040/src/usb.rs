@@ -34,9 +34,6 @@ pub(crate) struct PlugReceiver {
     frame: u16,
 }
 
-/// Receiver's end in the background.
-pub(crate) type LineReceiver = Consumer<'static, u8>;
-
 /// Transmitter of the line.
 pub(crate) type PlugTransmitter = UsbTransmitter<Interrupt>;
 

@@ -1,25 +1,26 @@
 //! No line and no log: the image plays its job without a host, and leaves the pins of both alone.
 
+pub(crate) use self::{
+    NoMemory as LineMemory, NoPort as LineReceiver, NoPort as LineTransmitter,
+    NoPort as LogTransmitter, NoPort as PacketReceiver,
+};
 use crate::board::{LinePins, LogTransmit};
 use crate::clock::Clocks;
 
 /// No part of a line.
-pub(crate) type PacketReceiver = ();
-pub(crate) type LineReceiver = ();
-pub(crate) type LineTransmitter = ();
-pub(crate) type LogTransmitter = ();
+pub(crate) type NoPort = ();
 
 /// No memory.
-pub(crate) struct LineMemory;
+pub(crate) struct NoMemory;
 
-impl LineMemory {
+impl NoMemory {
     pub(crate) const fn new() -> Self {
         Self
     }
 }
 
 /// Starts nothing.
-pub(crate) fn start(_: &mut LineMemory, _: LinePins, _: &Clocks) -> ((), (), ()) {
+pub(crate) fn start(_: &mut NoMemory, _: LinePins, _: &Clocks) -> ((), (), ()) {
     ((), (), ())
 }
 
