@@ -1,6 +1,7 @@
 //! Service of a scene without a host: the tick, with the job in flash, and what is left to do below it.
 
 pub(crate) use self::LoneForeground as SceneForeground;
+pub use self::{NoChannels as Channels, WatchdogKeeper as Background};
 use crate::heartbeat::Monitor;
 use crate::inputs::{Angle, Closed};
 use crate::scene::{self, Curves, Model, Scalar};
@@ -50,9 +51,9 @@ pub(crate) fn report_timing(foreground: &mut SceneForeground, duration: u32, per
 }
 
 /// Memory between both halves: there is one.
-pub struct Channels;
+pub struct NoChannels;
 
-impl Channels {
+impl NoChannels {
     /// None.
     #[expect(
         clippy::new_without_default,
@@ -66,7 +67,7 @@ impl Channels {
 /// Builds the tick. The machine stands at the start of its job.
 // A call: inlined, the board's crate would compile it for speed.
 #[inline(never)]
-pub fn build(_: &mut Channels, _: Board, _: &'static Firmware) -> (SceneForeground, ()) {
+pub fn build(_: &mut NoChannels, _: Board, _: &'static Firmware) -> (SceneForeground, ()) {
     let parts = OwnJobParts {
         tick: &scene::TICK,
         limits: &scene::RESULT_LIMITS,
@@ -83,12 +84,12 @@ pub fn build(_: &mut Channels, _: Board, _: &'static Firmware) -> (SceneForegrou
 }
 
 /// Work below the tick: the watchdog's condition. There is no line, with no transmitter `W` and no receiver `R`, and no log `L`.
-pub struct Background<W, L, R = ()> {
+pub struct WatchdogKeeper<W, L, R = ()> {
     heartbeat: Monitor,
     ends: PhantomData<(W, L, R)>,
 }
 
-impl<W, L, R> Background<W, L, R> {
+impl<W, L, R> WatchdogKeeper<W, L, R> {
     /// Takes what does nothing.
     pub fn new((): (), _: R, _: W, _: L) -> Self {
         Self {
