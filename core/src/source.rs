@@ -7,7 +7,7 @@
 
 use core::fmt::{self, Write};
 use core::marker::PhantomData;
-use nalgebra::Vector2;
+use nalgebra::{Vector2, Vector3};
 
 /// Values that a build script can write as Rust source. [`to_source!`](crate::to_source) implements
 /// the trait for structs and enums.
@@ -98,6 +98,23 @@ impl<T: ToSource> ToSource for Vector2<T> {
         self[0].write_value(out)?;
         out.write_str(", ")?;
         self[1].write_value(out)?;
+        out.write_str(")")
+    }
+}
+
+impl<T: ToSource> ToSource for Vector3<T> {
+    fn write_type(out: &mut dyn Write) -> fmt::Result {
+        out.write_str("nalgebra::Vector3<")?;
+        T::write_type(out)?;
+        out.write_str(">")
+    }
+
+    fn write_value(&self, out: &mut dyn Write) -> fmt::Result {
+        out.write_str("nalgebra::Vector3::new(")?;
+        for (index, item) in self.iter().enumerate() {
+            out.write_str(if index == 0 { "" } else { ", " })?;
+            item.write_value(out)?;
+        }
         out.write_str(")")
     }
 }

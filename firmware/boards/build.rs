@@ -54,7 +54,15 @@ fn build() -> Result<(), Box<dyn Error>> {
     // Something that a failure has to switch off: drives, a tool or spare outputs.
     let has_spare = of_app("digital").is_ok();
     set("outputs", drive != "none" || tool != "none" || has_spare);
-    for name in ["homing", "brake", "lamp", "digital", "interlocks", "update"] {
+    for name in [
+        "homing",
+        "brake",
+        "lamp",
+        "digital",
+        "interlocks",
+        "update",
+        "autonomous",
+    ] {
         set(name, of_app(name).is_ok());
     }
     let (package, target) = (env::var("CARGO_PKG_NAME")?, env::var("TARGET")?);

@@ -7,8 +7,9 @@ use crate::terminal::show;
 use clap::Args;
 use std::path::PathBuf;
 use trirrr_figures::document::{Document, Facts};
-use trirrr_scene::Scene;
 use trirrr_scene::words::{counted, tick_time};
+use trirrr_scene::{Autonomous, Scene};
+use trirrr_service::{FOREVER, JobStart};
 
 /// `trirrr check`.
 ///
@@ -67,6 +68,10 @@ fn document(scene: &Scene, pauses: &[u32]) -> Document {
     if let Some(longest) = longest {
         document.note(format!("a hold is {longest}"));
     }
+    let own = scene.service.autonomous;
+    if let Some(own) = own {
+        document.note(autonomous(scene, own));
+    }
     document.pairs(
         Facts::new()
             .data("scene", &scene.name)
@@ -83,4 +88,21 @@ fn document(scene: &Scene, pauses: &[u32]) -> Document {
             .data("warning", scene.limits_warning()),
     );
     document
+}
+
+/// What the board does by itself.
+fn autonomous(scene: &Scene, own: Autonomous) -> String {
+    let begins = match own.begins {
+        JobStart::Button => "at the press of its button",
+        JobStart::Power => "when it is switched on or reset",
+    };
+    let passes = match own.passes {
+        FOREVER => "until something stops it".into(),
+        passes => counted(passes as usize, "time"),
+    };
+    let start = match scene.homing {
+        Some(_) => "homes first",
+        None => "has to stand at the start of the job when it is switched on",
+    };
+    format!("the board plays it by itself {begins}, {passes}; the machine {start}")
 }

@@ -20,7 +20,7 @@ use trirrr_scene::{DriveKind, Scene};
 /// Board of the STM32G474 whose pins the bench knows.
 const G474_BOARD: &str = "nucleo-g474re";
 
-/// Scenes without names, before [`SWITCHED`], [`ACTUATORS`] and [`UPDATED`]: a laser on steppers with an emergency stop, a longer job, drives with encoders, drives on a bus, the same
+/// Scenes without names, before [`SWITCHED`], [`ACTUATORS`], [`UPDATED`] and [`ALONE`]: a laser on steppers with an emergency stop, a longer job, drives with encoders, drives on a bus, the same
 /// on CAN FD, and the line alone, without drives.
 const SCENES: [&str; 6] = [
     "inputs/guarded",
@@ -33,6 +33,9 @@ const SCENES: [&str; 6] = [
 
 /// A scene whose job switches spare outputs.
 const SWITCHED: &str = "tests/mcu-bench/scenes/switched.toml";
+
+/// A scene that its board plays without a host.
+pub(crate) const ALONE: &str = "tests/mcu-bench/scenes/alone.toml";
 
 /// Drives that know the angles of their joints, whatever happens to their supply.
 const ACTUATORS: &str = "tests/mcu-bench/scenes/actuators.toml";
@@ -84,7 +87,8 @@ pub(crate) struct BenchArgs {
 pub(crate) fn run(arguments: &BenchArgs) -> Result<()> {
     let names = match arguments.scenes.as_slice() {
         [] => {
-            let files = [SWITCHED, ACTUATORS, UPDATED[0]].map(|file| repository::root().join(file));
+            let files =
+                [SWITCHED, ACTUATORS, UPDATED[0], ALONE].map(|file| repository::root().join(file));
             let files = files.map(|file| file.display().to_string());
             SCENES.map(str::to_owned).into_iter().chain(files).collect()
         }

@@ -2,6 +2,12 @@
 
 use crate::elf::Memory;
 
+/// Scenes whose boards play them without a host.
+pub(crate) const AUTONOMOUS: [&str; 2] = [
+    "scenes/autonomous/thesis-alone.toml",
+    "scenes/autonomous/pick-alone.toml",
+];
+
 /// The target of the firmware for the STM32F405, which is emulated and measured for every scene.
 pub(crate) const FIRMWARE_TARGET: &str = "thumbv7em-none-eabihf";
 

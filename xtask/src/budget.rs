@@ -45,6 +45,11 @@ impl Options {
         repository::scenes_named(&self.scene)
     }
 
+    /// Returns true if no scene is named: all are measured.
+    pub(crate) fn names_none(&self) -> bool {
+        self.scene.is_empty()
+    }
+
     /// The number types to measure `scene` in.
     pub(crate) fn scalars(&self, scene: &Scene) -> Vec<&'static str> {
         match self.own {

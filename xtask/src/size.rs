@@ -5,13 +5,13 @@
 //! of the firmware are looked through for what its scene has no use for, and its code for how deep the
 //! stack gets and whether an interrupt may panic.
 
-use crate::boards::{FIRMWARE_TARGET, RP2040_SCENE};
+use crate::boards::{AUTONOMOUS, FIRMWARE_TARGET, RP2040_SCENE};
 use crate::budget::{BudgetRow, Ceiling, Options, hold_ceilings};
 use crate::callgraph;
 use crate::elf::{Footprint, check_boot, footprint, with_elf};
 use crate::image::Image;
 use crate::parallel;
-use crate::repository::SceneFile;
+use crate::repository::{SceneFile, scenes_named};
 use crate::symbols;
 use anyhow::{Context, Result, ensure};
 use serde::{Deserialize, Serialize};
@@ -42,7 +42,11 @@ impl BudgetRow for SizeRow {
 
 pub(crate) fn run(options: &Options) -> Result<()> {
     let mut scenes = Vec::new();
-    for file in options.scenes()? {
+    let mut files = options.scenes()?;
+    if options.names_none() {
+        files.extend(scenes_named(&AUTONOMOUS.map(String::from))?);
+    }
+    for file in files {
         // A scene that is refused is better refused here than from within a build script.
         let scene = Scene::read(&file.path)?;
         scenes.push((file, scene));
@@ -76,7 +80,12 @@ fn measure(
         ram,
         stack: None,
     };
-    for &scalar in scalars {
+    // Without a host the tick is that of the same machine with one.
+    let ticks = match read.service.autonomous {
+        Some(_) => &[],
+        None => scalars,
+    };
+    for &scalar in ticks {
         let image = Image::insns("bare", scene, scalar, FIRMWARE_TARGET);
         for (target, built) in targets.iter().zip(image.build_for(targets)?) {
             rows.push(row(
@@ -88,15 +97,20 @@ fn measure(
         }
     }
     let own = of_scene(read.number);
-    let mut boards = vec![Image::firmware(scene, own)];
-    if scene.path.ends_with(RP2040_SCENE) {
+    let mut boards = match read.service.autonomous {
+        // What has no host is small: in the number type of the core.
+        Some(_) => vec![Image::firmware(scene, "f32")],
+        None => vec![Image::firmware(scene, own)],
+    };
+    let is_small = read.service.autonomous.is_some() && own == "fixed";
+    if scene.path.ends_with(RP2040_SCENE) || is_small {
         boards.push(Image::rp2040(scene, own));
     }
     for image in boards {
         let (measured, stack) = measure_firmware(&image, read)?;
         rows.push(SizeRow {
             stack: Some(stack.into()),
-            ..row("firmware", own, image.target, measured)
+            ..row("firmware", image.scalar, image.target, measured)
         });
     }
     Ok(rows)
@@ -113,7 +127,7 @@ pub(crate) fn measure_firmware(image: &Image, scene: &Scene) -> Result<(Footprin
 }
 
 /// Upper limits, bytes.
-const CEILINGS: [Ceiling; 3] = [
+const CEILINGS: [Ceiling; 6] = [
     Ceiling::new("core thumbv6m-none-eabi * pick-stepper", "flash", 8192.0),
     // Of it, 5 KiB are the admission that is 29 times as fast: two ways to compute an operation, values in registers.
     // Another 3 KiB are the tick's, for speed, and 4.5 KiB rates of each part of a move, for holds without a reserve. The
@@ -124,6 +138,23 @@ const CEILINGS: [Ceiling; 3] = [
     Ceiling::new("firmware thumbv7em-none-eabihf * thesis", "flash", 65_280.0),
     // Of it, 53 KiB are for the 256 moves that wait.
     Ceiling::new("firmware thumbv7em-none-eabihf * thesis", "ram", 67_584.0),
+    // Without a host: the tick, its states, and one job.
+    Ceiling::new(
+        "firmware thumbv7em-none-eabihf f32 thesis-alone",
+        "flash",
+        12_000.0,
+    ),
+    Ceiling::new(
+        "firmware thumbv7em-none-eabihf f32 thesis-alone",
+        "ram",
+        800.0,
+    ),
+    // With steppers, homing, gripper, emergency stop and lamp.
+    Ceiling::new(
+        "firmware thumbv7em-none-eabihf f32 pick-alone",
+        "flash",
+        22_000.0,
+    ),
 ];
 
 /// The thesis machine and the same with link masses: what pays for links, and what must not.

@@ -39,7 +39,7 @@ pub trait WideArithmetic: Arithmetic {
 
     /// A positive count of ticks, prepared so that a [fraction](Self::fraction) of it costs no wide
     /// division.
-    type Count: Copy + Debug + PartialEq + Send + Sync + 'static;
+    type Count: Copy + Debug + PartialEq + Send + Sync + ToSource + 'static;
 
     /// The known length of a vector, prepared for [`direction`](Self::direction).
     type Length: Copy + Debug + PartialEq + Send + Sync + ToSource + 'static;

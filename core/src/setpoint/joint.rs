@@ -2,6 +2,7 @@
 
 use super::move_time::MoveTime;
 use crate::number::Number;
+use crate::to_source;
 
 /// A move of the three motor angles from rest to rest, in the same time. Each motor follows the cubic
 /// of [`RestToRest`](super::RestToRest), the shorter way round.
@@ -29,6 +30,16 @@ pub struct JointSetpoint<N: Number> {
     /// Accelerations.
     pub accelerations: [N; 3],
 }
+
+to_source!([N: Number] JointMove [N] in trirrr_core::setpoint {
+    from: [N::Angle; 3],
+    to: [N::Angle; 3],
+    ticks: u32,
+    count: N::Count,
+    displacement: [N; 3],
+    velocity: N::Factor,
+    acceleration: N::Factor,
+});
 
 impl<N: Number> JointMove<N> {
     /// The move `from` -> `to` in `ticks` ticks of `period` each, both positive. The angles lie in

@@ -3,6 +3,8 @@
 use super::move_time::MoveTime;
 use super::{Pose, Setpoint};
 use crate::number::Number;
+use crate::source::ToSource;
+use crate::to_source;
 use nalgebra::Vector3;
 
 /// A polynomial of every coordinate over s = t / T, from one end of a move into it.
@@ -65,6 +67,30 @@ pub struct Fifth<N: Number> {
     f: Vector3<N>,
     k: Vector3<N>,
 }
+
+to_source!([N: Number, P: ToSource] TwoSided [N, P] in trirrr_core::setpoint {
+    forward: P,
+    backward: P,
+    ticks: u32,
+    count: N::Count,
+    per_duration: N::Factor,
+});
+
+to_source!([N: Number] Cubic [N] in trirrr_core::setpoint {
+    origin: Pose<N>,
+    c1: Vector3<N>,
+    c2: Vector3<N>,
+    c3: Vector3<N>,
+});
+
+to_source!([N: Number] Fifth [N] in trirrr_core::setpoint {
+    origin: Pose<N>,
+    start: Vector3<N>,
+    m: Vector3<N>,
+    n: Vector3<N>,
+    f: Vector3<N>,
+    k: Vector3<N>,
+});
 
 impl<N: Number> Cubic<N> {
     /// `h`: displacement to the other end; `t_v0`, `t_v1`: duration times velocity at the origin

@@ -3,6 +3,7 @@
 use super::move_time::MoveTime;
 use super::{Pose, Setpoint};
 use crate::number::Number;
+use crate::to_source;
 use nalgebra::Vector3;
 
 /// A move that starts and ends at rest: q = q0 + h s^2 (3 - 2 s) with s = t / T, on every
@@ -20,6 +21,16 @@ pub struct RestToRest<N: Number> {
     /// 6 h / T^2.
     acceleration: Vector3<N>,
 }
+
+to_source!([N: Number] RestToRest [N] in trirrr_core::setpoint {
+    from: Pose<N>,
+    to: Pose<N>,
+    ticks: u32,
+    count: N::Count,
+    displacement: Vector3<N>,
+    velocity: Vector3<N>,
+    acceleration: Vector3<N>,
+});
 
 impl<N: Number> RestToRest<N> {
     /// The move `from` -> `to` in `ticks` ticks of `period` seconds each, both positive.

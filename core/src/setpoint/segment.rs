@@ -2,11 +2,12 @@
 
 use super::{Hermite, Pose, Quintic, RestToRest, Setpoint};
 use crate::number::Number;
-use core::fmt::Debug;
+use crate::source::ToSource;
+use core::fmt::{self, Debug, Write};
 use nalgebra::Vector3;
 
 /// Kinds of moves that a machine plays: a type, so that a scene without quintics pays nothing for them.
-pub trait CurveKind: Copy + Debug + PartialEq + 'static {
+pub trait CurveKind: Copy + Debug + PartialEq + ToSource + 'static {
     /// True if moves may have to keep a limit of jerk.
     const JERK: bool;
 
@@ -14,7 +15,7 @@ pub trait CurveKind: Copy + Debug + PartialEq + 'static {
     type Accelerations<N: Number>: Copy + Debug + PartialEq;
 
     /// A move with accelerations at its ends.
-    type Quintic<N: Number>: Curve<N> + Copy + Debug + PartialEq;
+    type Quintic<N: Number>: Curve<N> + Copy + Debug + PartialEq + ToSource;
 
     /// No accelerations: a cubic.
     fn none<N: Number>() -> Self::Accelerations<N>;
@@ -158,6 +159,65 @@ impl<const JERK: bool> CurveKind for Quintics<JERK> {
             ticks,
             period,
         ))
+    }
+}
+
+impl ToSource for Cubics {
+    fn write_type(out: &mut dyn Write) -> fmt::Result {
+        out.write_str("trirrr_core::setpoint::Cubics")
+    }
+
+    fn write_value(&self, _: &mut dyn Write) -> fmt::Result {
+        match *self {}
+    }
+}
+
+impl<const JERK: bool> ToSource for Quintics<JERK> {
+    fn write_type(out: &mut dyn Write) -> fmt::Result {
+        write!(out, "trirrr_core::setpoint::Quintics<{JERK}>")
+    }
+
+    fn write_value(&self, _: &mut dyn Write) -> fmt::Result {
+        match *self {}
+    }
+}
+
+impl ToSource for NoQuintic {
+    fn write_type(out: &mut dyn Write) -> fmt::Result {
+        out.write_str("trirrr_core::setpoint::NoQuintic")
+    }
+
+    fn write_value(&self, _: &mut dyn Write) -> fmt::Result {
+        match *self {}
+    }
+}
+
+impl<N: Number, K: CurveKind> ToSource for Segment<N, K> {
+    fn write_type(out: &mut dyn Write) -> fmt::Result {
+        out.write_str("trirrr_core::setpoint::Segment<")?;
+        N::write_type(out)?;
+        out.write_str(", ")?;
+        K::write_type(out)?;
+        out.write_str(">")
+    }
+
+    fn write_value(&self, out: &mut dyn Write) -> fmt::Result {
+        out.write_str("trirrr_core::setpoint::Segment::")?;
+        match self {
+            Self::RestToRest(segment) => {
+                out.write_str("RestToRest(")?;
+                segment.write_value(out)?;
+            }
+            Self::Hermite(segment) => {
+                out.write_str("Hermite(")?;
+                segment.write_value(out)?;
+            }
+            Self::Quintic(segment) => {
+                out.write_str("Quintic(")?;
+                segment.write_value(out)?;
+            }
+        }
+        out.write_str(")")
     }
 }
 

@@ -3,7 +3,8 @@
 use crate::homing::PlacedHoming;
 use crate::read::{Bound, Section};
 use trirrr_service::{
-    Contact, Door, EmergencyStop, InterlockParameters, LimitInputs, ProbeInput, StopCategory,
+    ButtonInput, Contact, Door, EmergencyStop, InterlockParameters, LimitInputs, ProbeInput,
+    StopCategory,
 };
 
 /// Longest time for which a contact may bounce, s.
@@ -25,6 +26,8 @@ pub struct InputPorts {
     pub limits_normally: NormalContact,
     /// The limit switches are those of homing, at its pins.
     pub limits_share_homing: bool,
+    /// Button that begins the job of a board without a host.
+    pub button: Option<ButtonInput>,
 }
 
 /// Position of a contact while its input is clear.
@@ -43,7 +46,12 @@ impl InputPorts {
         self.interlocks.limits.is_some() && !self.limits_share_homing
     }
 
-    /// Returns true if there is any.
+    /// Returns true if there is any contact, that of a button included.
+    pub fn have_contacts(&self) -> bool {
+        self.are_named() || self.button.is_some()
+    }
+
+    /// Returns true if there is any interlock.
     pub fn are_named(&self) -> bool {
         let InterlockParameters {
             emergency_stop,
@@ -56,7 +64,7 @@ impl InputPorts {
 }
 
 /// Inputs that a scene may name.
-const NAMES: [&str; 4] = ["estop", "door", "probe", "limits"];
+const NAMES: [&str; 5] = ["estop", "door", "probe", "limits", "button"];
 
 /// Reads `[inputs]`; none without the table. Without a tick rate, no time is checked in ticks. `homing`: none where it was refused.
 pub(crate) fn read_inputs(
@@ -71,7 +79,7 @@ pub(crate) fn read_inputs(
     if !NAMES.iter().any(|name| section.has(name)) {
         root.refuse(
             "inputs",
-            "names no input: give [inputs.estop], [inputs.door], [inputs.probe] or [inputs.limits], or leave [inputs] out",
+            "names no input: give [inputs.estop], [inputs.door], [inputs.probe], [inputs.limits] or [inputs.button], or leave [inputs] out",
         );
         return None;
     }
@@ -85,7 +93,8 @@ pub(crate) fn read_inputs(
     let limits = read_one(&section, "limits", |section| {
         read_limits(section, rate, has_switches)
     });
-    let (stop, door, probe, limits) = (stop?, door?, probe?, limits?);
+    let button = read_one(&section, "button", |section| read_button(section, rate));
+    let (stop, door, probe, limits, button) = (stop?, door?, probe?, limits?, button?);
     Some(InputPorts {
         interlocks: InterlockParameters {
             emergency_stop: stop,
@@ -97,6 +106,7 @@ pub(crate) fn read_inputs(
         probe_normally: probe.map(|(_, normally)| normally).unwrap_or_default(),
         limits_normally: limits.map(|(_, normally, _)| normally).unwrap_or_default(),
         limits_share_homing: limits.is_some_and(|(.., shares)| shares),
+        button,
     })
 }
 
@@ -143,6 +153,25 @@ fn read_door(section: &Section, rate: Option<f64>) -> Option<(Door, NormalContac
         debounce_ticks: debounce?,
     };
     Some((door, normally?))
+}
+
+/// Reads a button. One that closes begins nothing once its wire is broken.
+fn read_button(section: &Section, rate: Option<f64>) -> Option<ButtonInput> {
+    let debounce = read_contact_ticks(section, rate);
+    let normally = match section.has("normally") {
+        true => read_normal_contact(section),
+        false => Some(NormalContact::Open),
+    };
+    if normally? == NormalContact::Closed {
+        section.refuse(
+            "normally",
+            "must be \"open\": a contact that opens would begin the job once its wire is broken",
+        );
+        return None;
+    }
+    Some(ButtonInput {
+        debounce_ticks: debounce?,
+    })
 }
 
 /// Reads a probe. Most are open until they touch.

@@ -62,6 +62,14 @@ fn judge_with(scene: &Scene, count: usize, shortest: bool) -> Result<Vec<Judgeme
     in_number_type!(scene.number, N => judge_in::<N>(scene, count, shortest))
 }
 
+/// Judges each move of `scene` in the number type `N` of an image, which may be another than that of the scene.
+///
+/// # Errors
+/// [`Unjudged`].
+pub(crate) fn judge_in_type<N: ServiceNumber>(scene: &Scene) -> Result<Vec<Judgement>, Unjudged> {
+    judge_in::<N>(scene, usize::MAX, false)
+}
+
 fn judge_in<N: ServiceNumber>(
     scene: &Scene,
     count: usize,

@@ -11,6 +11,7 @@
 #![cfg_attr(doctest, doc = include_str!("../README.md"))]
 #![forbid(unsafe_code)]
 
+mod autonomous;
 mod blocks;
 mod carried;
 pub mod cases;
@@ -41,6 +42,7 @@ mod number_type;
 mod obstacle;
 pub mod offer;
 mod outputs;
+mod own_job;
 mod path;
 mod peak;
 pub mod pipeline;
@@ -69,6 +71,7 @@ mod way;
 mod whole;
 pub mod words;
 
+pub use autonomous::Autonomous;
 pub use blocks::{BlockCutter, PathBlock};
 pub use carried::{CarriedTools, ToolBody};
 pub use contact::{Contact, ContactFriction};

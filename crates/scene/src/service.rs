@@ -1,5 +1,6 @@
 //! Settings with which the service runs the job.
 
+use crate::autonomous::{Autonomous, read_autonomous};
 use crate::read::{Bound, Section};
 
 /// Longest time that a scene may give for any of it, s.
@@ -30,6 +31,8 @@ pub struct Service {
     pub scene_over_line: bool,
     /// One telemetry sample every so many ticks, from 1, until a client asks for another rate.
     pub telemetry_ticks: u32,
+    /// The board plays the job by itself, without a line to a host.
+    pub autonomous: Option<Autonomous>,
 }
 
 impl Default for Service {
@@ -45,6 +48,7 @@ impl Default for Service {
             update: false,
             scene_over_line: false,
             telemetry_ticks: 1,
+            autonomous: None,
         }
     }
 }
@@ -61,6 +65,7 @@ pub(crate) fn read_service(
         return Some(default);
     }
     let section = root.section("service")?;
+    let autonomous = read_autonomous(&section);
     let time = |key, default| {
         let seconds = section.number_or(key, Bound::Positive, default)?;
         if seconds > LONGEST_S {
@@ -136,6 +141,7 @@ pub(crate) fn read_service(
         update: update?,
         scene_over_line: scene_over_line?,
         telemetry_ticks: telemetry_ticks?,
+        autonomous: autonomous?,
     })
 }
 

@@ -14,6 +14,7 @@ use crate::kind::refuse_redundant;
 use crate::limits::read_limits;
 use crate::machine::read_parameters;
 use crate::number_type::NumberType;
+use crate::own_job::check_tables;
 use crate::path::check_job;
 use crate::planning::plan_path;
 use crate::plant::read_plant;
@@ -293,6 +294,7 @@ fn read_scene(
         plant: None,
         tolerances: tolerances?,
     };
+    check_tables(root, &scene);
     if let Some(port) = &scene.tool {
         check_tool(document, port, &placed, scene.tick_rate_hz);
     }
@@ -314,6 +316,13 @@ fn read_scene(
     if let Some(plant) = plant.filter(|_| depth == ReadDepth::Whole) {
         let duration_s = f64::from(scene.ticks()) / scene.tick_rate_hz;
         scene.plant = Some(plant.checked(root, duration_s)?);
+    }
+    if let Some(reason) = scene.open_end() {
+        let place = Place {
+            value: None,
+            ..root.place_of("job")
+        };
+        document.refuse(&place, reason);
     }
     let places = Places {
         legs: Place {

@@ -18,16 +18,18 @@ use super::pace::{MovePaces, Room};
 use super::scene::{QuinticsOf, Scene};
 use super::splice::SpliceReport;
 use super::tool::Tool;
+use crate::offered::Offered;
 use core::sync::atomic::{AtomicU32, Ordering, fence};
 use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::{CurveKind, JointMove, Pose, Segment};
+use trirrr_core::to_source;
 use trirrr_protocol::message::{
-    Acting, DigitalStates, InputStates, Interruption, State, TelemetryFields,
+    Acting, AnyMove, DigitalStates, InputStates, Interruption, Move, State, TelemetryFields,
 };
 
-/// A move that is admitted.
+/// A move that is admitted, as the tick plays it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct QueuedMove<N: Number, K: CurveKind> {
+pub struct QueuedMove<N: Number, K: CurveKind> {
     pub(super) segment: Segment<N, K>,
     pub(super) ticks: u32,
     pub(super) number: u32,
@@ -36,6 +38,40 @@ pub(crate) struct QueuedMove<N: Number, K: CurveKind> {
     pub(super) paces: MovePaces,
     /// Generation of the queue: what was queued before the queue was dropped is not played.
     pub(super) generation: u8,
+}
+
+to_source!([N: Number, K: CurveKind] QueuedMove [N, K] in trirrr_service {
+    segment: Segment<N, K>,
+    ticks: u32,
+    number: u32,
+    tool: Option<Tool<N>>,
+    paces: MovePaces,
+    generation: u8,
+});
+
+impl<N: Number, K: CurveKind> QueuedMove<N, K> {
+    /// Move that was admitted with the rates `paces`, in ticks of `period`. None if it is of a kind that is not played.
+    pub fn of(admitted: &AnyMove<N>, paces: MovePaces, period: N::Factor) -> Option<Self> {
+        Some(Self::new(&Offered::of(admitted)?, paces, 0, period))
+    }
+
+    #[inline(always)]
+    pub(crate) fn new(
+        offered: &Offered<N, K>,
+        paces: MovePaces,
+        generation: u8,
+        period: N::Factor,
+    ) -> Self {
+        let Move { ticks, number, .. } = offered.common;
+        Self {
+            segment: Segment::new(&offered.ends(), ticks, period),
+            ticks,
+            number,
+            tool: Tool::of(&offered.common),
+            paces,
+            generation,
+        }
+    }
 }
 
 /// Order to the tick. The tick takes one order each time it runs.
@@ -81,11 +117,13 @@ pub(super) enum Order {
 
 /// A recovery.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Recover<N: Number> {
+pub struct Recover<N: Number> {
     pub(super) path: JointMove<N>,
     /// The pose at its end.
     pub(super) to: Pose<N>,
 }
+
+to_source!([N: Number] Recover [N] in trirrr_service { path: JointMove<N>, to: Pose<N> });
 
 /// State of the tick, after something changed.
 pub(super) struct TickReport<S: Scene> {
@@ -120,7 +158,7 @@ pub(super) struct TickReport<S: Scene> {
 
 /// Counters, each with one writer. Loads and stores only: not every core has more.
 #[derive(Debug, Default)]
-pub(super) struct SharedCounters {
+pub struct SharedCounters {
     /// Requests heard. By the background.
     pub(super) heard: AtomicU32,
     /// The two rooms of an [`Ahead`]. By the background.
@@ -143,7 +181,7 @@ pub(super) struct SharedCounters {
 
 /// Account of the admitted moves.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Ahead {
+pub struct Ahead {
     /// Room of all moves of this generation that are admitted.
     pub(super) room: Room,
     /// One more than the number of the last of these moves that ends at rest: there a path can end without room.

@@ -51,6 +51,7 @@ mod interlock;
 mod levels;
 mod number;
 mod offered;
+mod own_job;
 mod pace;
 mod planner;
 mod queue;
@@ -76,15 +77,17 @@ pub use digital::DigitalParameters;
 pub use feature::{ChannelMemory, Feature, On, Optional, Present};
 pub use feedback::{FeedbackCoefficients, FeedbackParameters, Readings, WatchLimits};
 pub use foreground::{Foreground, Output, Power};
+pub use handoff::{QueuedMove, Recover};
 pub use homing::{
     Contact, HomingAxis, HomingCoefficients, HomingMotor, HomingParameters, HomingTimes,
 };
 pub use interlock::{
-    Door, EmergencyStop, InterlockParameters, InterlockReadings, LimitInputs, ProbeInput,
-    input_bits,
+    ButtonInput, Door, EmergencyStop, InterlockParameters, InterlockReadings, LimitInputs,
+    ProbeInput, input_bits,
 };
 pub use levels::check_levels;
 pub use number::ServiceNumber;
+pub use own_job::{FOREVER, JobStart, OwnHoming, OwnJob, OwnJobParts};
 pub use pace::{MovePaces, Pace, Ramp};
 pub use planner::{PathPlanner, PathStep, Planning};
 pub use scene::{
@@ -95,3 +98,4 @@ pub use scene::{
 pub use service::{Played, Service};
 pub use settings::{PowerTimes, Reactions, SceneIdentity, Settings, StopCategory, key, name};
 pub use stop::{PacedMove, PathPlace, StopJob, Stops};
+pub use tool::Tool;

@@ -121,11 +121,17 @@ impl Ramp {
 
 /// The paces of a move, part by part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MovePaces([Pace; PARTS as usize]);
+pub struct MovePaces {
+    parts: [Pace; PARTS as usize],
+}
+
+to_source!([] MovePaces [] in trirrr_service { parts: [Pace; PARTS as usize] });
 
 impl MovePaces {
     /// Whatever the ramp allows.
-    pub(crate) const FULL: Self = Self([Pace::FULL; PARTS as usize]);
+    pub(crate) const FULL: Self = Self {
+        parts: [Pace::FULL; PARTS as usize],
+    };
 
     /// Number of parts of a move of `ticks`, as a power of two.
     pub(crate) const fn parts_log2(ticks: u32) -> u32 {
@@ -159,7 +165,10 @@ impl MovePaces {
 
     /// Paces of part `index`.
     pub(crate) fn of(&self, index: u32) -> Pace {
-        self.0.get(index as usize).copied().unwrap_or(Pace::FULL)
+        self.parts
+            .get(index as usize)
+            .copied()
+            .unwrap_or(Pace::FULL)
     }
 
     /// Parts that the interval [`index`, `index` + 1] / 2^`level` of a move of `ticks` touches: first and last.
@@ -188,7 +197,7 @@ impl MovePaces {
     pub(crate) fn lower(&mut self, ticks: u32, level: u32, index: u32, pace: Pace) {
         let (first, last) = Self::touched(ticks, level, index);
         for part in self
-            .0
+            .parts
             .iter_mut()
             .take(last as usize + 1)
             .skip(first as usize)

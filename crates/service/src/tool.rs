@@ -2,16 +2,19 @@
 
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
+use trirrr_core::to_source;
 use trirrr_protocol::message::Move;
 
 /// A tool that is on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Tool<N: Number> {
+pub struct Tool<N: Number> {
     /// Speed from which on it gives all it can; beyond the number type where it never does. 0 where its power is constant.
     full: N,
     /// Power per speed; the power itself where that is constant.
     power_per_speed: N::Factor,
 }
+
+to_source!([N: Number] Tool [N] in trirrr_service { full: N, power_per_speed: N::Factor });
 
 impl<N: Number> Tool<N> {
     /// Returns true if the power and the speed of a move make sense: a power from 0 to 1, and a speed for it, or 0.

@@ -108,6 +108,9 @@ pub type DoorLine<P> = InterlockPin<P, scene::DoorPin, { scene::DOOR_OPEN_HIGH }
 /// The probe at the pin `P`.
 pub type ProbeLine<P> = InterlockPin<P, scene::Probe, { scene::PROBE_TOUCHES_HIGH }>;
 
+/// The button at the pin `P`.
+pub type ButtonLine<P> = InterlockPin<P, scene::ButtonPin, false>;
+
 /// A limit switch at the pin `P`, if the scene names those with pins of their own.
 pub type MotorLimitLine<P> = InterlockPin<P, scene::LimitPins, { scene::LIMITS_HIGH }>;
 
@@ -159,18 +162,19 @@ where
 pub struct GuardedInputs<I, C, L> {
     /// Switches of homing.
     pub homing: I,
-    /// Contacts of emergency stop, door and probe.
+    /// Contacts of emergency stop, door, probe and button.
     pub contacts: C,
     /// Limit switches.
     pub limits: L,
 }
 
-impl<I, S, D, P, A, B, C> Inputs for GuardedInputs<I, (S, D, P), LimitSwitches<A, B, C>>
+impl<I, S, D, P, T, A, B, C> Inputs for GuardedInputs<I, (S, D, P, T), LimitSwitches<A, B, C>>
 where
     I: Inputs,
     S: InterlockInput,
     D: InterlockInput,
     P: InterlockInput,
+    T: InterlockInput,
     A: InputPin<Error = Infallible>,
     B: InputPin<Error = Infallible>,
     C: InputPin<Error = Infallible>,
@@ -187,12 +191,13 @@ where
 
     #[inline(always)]
     fn interlocks(&mut self) -> Interlocked {
-        let (stop, door, probe) = &mut self.contacts;
+        let (stop, door, probe, button) = &mut self.contacts;
         Interlocked {
             emergency_stop: stop.is_active(),
             door: door.is_active(),
             probe: probe.is_active(),
             limits: self.limits.are_active(),
+            button: button.is_active(),
         }
     }
 

@@ -19,9 +19,11 @@
 // A feature that the scene lacks is a unit.
 #![allow(clippy::unit_arg, clippy::let_unit_value)]
 
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", autonomous))]
+mod alone;
+#[cfg(all(target_os = "none", not(autonomous)))]
 mod background;
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", not(autonomous)))]
 pub mod cause;
 #[cfg(target_os = "none")]
 pub mod digital;
@@ -37,12 +39,16 @@ mod image_flash;
 pub mod inputs;
 #[cfg(target_os = "none")]
 mod lamp;
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", not(autonomous)))]
 mod line;
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", not(autonomous)))]
 mod log;
+#[cfg(all(target_os = "none", not(autonomous)))]
+mod log_start;
 #[cfg(target_os = "none")]
 mod memory;
+#[cfg(all(target_os = "none", autonomous))]
+mod no_log;
 #[cfg(target_os = "none")]
 pub mod outputs;
 #[cfg(target_os = "none")]
@@ -50,8 +56,10 @@ pub mod pins;
 #[cfg(all(target_os = "none", feature = "ruled-switches"))]
 mod ruled_switches;
 pub mod scene;
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", not(autonomous)))]
 mod service;
+#[cfg(all(target_os = "none", autonomous))]
+pub mod short_cause;
 #[cfg(all(target_os = "none", drive = "stepper"))]
 pub mod slots;
 #[cfg(all(target_os = "none", scene_over_line))]
@@ -62,22 +70,33 @@ mod tick;
 mod tick_clock;
 #[cfg(all(target_os = "none", update))]
 mod update;
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", not(autonomous)))]
 pub mod usb;
 #[cfg(target_os = "none")]
 mod wired;
 
+#[cfg(all(target_os = "none", autonomous))]
+use alone as service;
+#[cfg(all(target_os = "none", autonomous))]
+pub use alone::Background;
 #[cfg(all(target_os = "none", update, feature = "stm32g474"))]
 pub use image_flash::is_lost_expected;
+#[cfg(all(target_os = "none", autonomous))]
+pub use short_cause as cause;
 #[cfg(all(target_os = "none", update))]
 pub use update::ImageLabel;
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", not(autonomous)))]
 pub use {
     background::Background,
+    line::{BAUD, IN_FLIGHT, IS_FIXED, ReceivedBytes},
+    log::LOG_BAUD,
+};
+#[cfg(target_os = "none")]
+pub use {
     heartbeat::WATCHDOG_MS,
     lamp::LampPin,
-    line::{BAUD, IN_FLIGHT, IS_FIXED, LOG_BAUD, ReceivedBytes},
-    service::{Channels, Output, Readings, build},
+    outputs::{Output, Readings},
+    service::{Channels, build},
     tick::Tick,
     tick_clock::{TickClock, period},
 };

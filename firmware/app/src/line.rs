@@ -11,8 +11,6 @@ use trirrr_protocol::wire::{Decoder, decoded_length, encode, frame_length};
 
 /// Baud rate of the line.
 pub const BAUD: u32 = 921_600;
-/// Baud rate of the log.
-pub const LOG_BAUD: u32 = 115_200;
 
 /// Receiver's end of the line.
 pub trait ReceivedBytes {

@@ -9,6 +9,9 @@ use cortex_m::peripheral::SCB;
 use cortex_m::peripheral::scb::VectActive;
 use embedded_hal_nb::serial::Write;
 
+/// Baud rate of the log.
+pub const LOG_BAUD: u32 = 115_200;
+
 /// Bytes of the ring; one stays empty.
 const ROOM: usize = 256;
 

@@ -2,7 +2,6 @@
 
 use crate::inputs::Angle;
 use crate::scene::Scalar;
-use crate::service::{Output, Readings};
 use core::ops::Deref;
 use embedded_hal::digital::OutputPin;
 use trirrr_core::number::Arithmetic;
@@ -13,6 +12,12 @@ use trirrr_drives::stepper::Steppers;
 use trirrr_drives::tool::{ToolLine, ToolOutput};
 use trirrr_drives::{Failure, ObeyingDrives};
 use trirrr_protocol::message::{DriveReading, State};
+
+/// Content of what the drives tell in a tick.
+pub type Readings = trirrr_service::Readings<Scalar>;
+
+/// Output of a tick.
+pub type Output = trirrr_service::Output<Scalar>;
 
 /// Sink of a tick's output: the drives of a board.
 pub trait Outputs {
@@ -74,17 +79,21 @@ pub type NoDriveTimer = ();
 // `inline`: compiled for speed in the board's crate.
 
 impl Outputs for Steppers<'_, Scalar> {
-    #[inline(always)]
+    // Without a host for size, as the tick.
+    #[cfg_attr(autonomous, inline(never))]
+    #[cfg_attr(not(autonomous), inline(always))]
     fn apply(&mut self, output: &Output) -> Result<(), Failure<Scalar>> {
         Steppers::apply(self, output)
     }
 
-    #[inline]
+    #[cfg_attr(autonomous, inline(never))]
+    #[cfg_attr(not(autonomous), inline)]
     fn angles(&self) -> Option<[Angle; 3]> {
         Some(Steppers::angles(self))
     }
 
-    #[inline]
+    #[cfg_attr(autonomous, inline(never))]
+    #[cfg_attr(not(autonomous), inline)]
     fn shift(&mut self, by: [Angle; 3]) {
         Steppers::shift(self, by);
     }

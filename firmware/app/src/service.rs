@@ -1,8 +1,10 @@
 //! Service of the scene: its types, its memory, its construction.
 
-use crate::scene::{self, Curves, LEVELS, Model, NAME, Planner, Scalar, TICK_RATE_HZ};
+use crate::inputs::{Angle, Closed};
+use crate::log_start::log_start;
+use crate::scene::{self, Curves, LEVELS, Model, Planner, Scalar};
 use trirrr_core::setpoint::Pose;
-use trirrr_protocol::message::{self, Board, Clock, Firmware, Start};
+use trirrr_protocol::message::{self, Board, FaultCode, Firmware};
 use trirrr_service::{Feature, PartOf, SceneParts, Settings};
 
 #[cfg(contact_refused)]
@@ -49,9 +51,6 @@ trirrr_service::scene! {
     digital = scene::Digital
 }
 
-/// Content of what the drives tell in a tick.
-pub type Readings = trirrr_service::Readings<Scalar>;
-
 /// A part of the scene in a reply.
 type ScenePart = PartOf<ImageScene>;
 
@@ -73,8 +72,34 @@ pub(crate) type MessageRef<'m> = message::MessageRef<'m, Scalar, ScenePart>;
 /// Request of the host.
 pub(crate) type Request = trirrr_service::RequestOf<ImageScene>;
 
-/// Output of a tick.
-pub type Output = trirrr_service::Output<Scalar>;
+/// Plays a tick: for speed, in the board's crate.
+#[inline(always)]
+pub(crate) fn tick(foreground: &mut SceneForeground, closed: Closed) {
+    foreground.tick_with(closed);
+}
+
+/// Latches a fault from outside, as all that follows in the board's crate.
+#[inline(always)]
+pub(crate) fn raise(
+    foreground: &mut SceneForeground,
+    code: FaultCode,
+    index: Option<u8>,
+    [value, limit]: [Scalar; 2],
+) {
+    foreground.raise(code, index, value, limit);
+}
+
+/// Takes angles that drives have counted.
+#[inline(always)]
+pub(crate) fn set_position(foreground: &mut SceneForeground, angles: [Angle; 3]) {
+    foreground.set_position(angles);
+}
+
+/// Reports the latency of a tick. Returns true if it was in time.
+#[inline(always)]
+pub(crate) fn report_timing(foreground: &mut SceneForeground, duration: u32, period: u32) -> bool {
+    foreground.report_timing(duration, period)
+}
 
 /// Values of the scene that is played: parts, start, and settings.
 pub(crate) type PlayedScene = (
@@ -135,36 +160,4 @@ fn build_scene(
         panic!("the start is out of reach");
     };
     halves
-}
-
-/// Logs how the board has started.
-fn log_start(board: &Board) {
-    defmt::info!("scene {=str}, {=f64} ticks per second", NAME, TICK_RATE_HZ);
-    match board.clock {
-        Clock::Crystal | Clock::Emulated | Clock::Host => {}
-        Clock::Internal => defmt::warn!("the crystal does not start: internal oscillator and PLL"),
-        Clock::Slow => defmt::warn!("no crystal and no PLL: internal oscillator"),
-        Clock::WrongCrystal => {
-            defmt::error!("check crystal_mhz of the board file: the crystal is another")
-        }
-    }
-    match &board.start {
-        Start::Power | Start::Reset => {}
-        Start::Watchdog => defmt::error!("started by the watchdog"),
-        Start::Panic { file, line } => {
-            defmt::error!(
-                "started after a panic in {=[u8]:a}, line {=u32}",
-                *file,
-                line
-            );
-        }
-        Start::HardFault(at) => {
-            defmt::error!("started after a hard fault at {=u32:#x}", at.pc);
-        }
-        Start::StackOverflow(at) => {
-            defmt::error!("started after a stack overflow at {=u32:#x}", at.pc);
-        }
-        Start::CrystalStopped => defmt::error!("started after the crystal stopped"),
-        Start::LowSupply => defmt::error!("started after the supply sagged"),
-    }
 }

@@ -4,7 +4,7 @@ use crate::heartbeat;
 use crate::inputs::Inputs;
 use crate::outputs::Outputs;
 use crate::scene::Scalar;
-use crate::service::SceneForeground;
+use crate::service::{self, SceneForeground};
 use crate::tick_clock::TickClock;
 use crate::wired::{Wired, wire};
 use trirrr_core::number::Arithmetic;
@@ -30,7 +30,12 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
         clock: TickClock,
     ) -> Self {
         if board.start.is_failure() {
-            foreground.raise(FaultCode::Board, None, Scalar::ONE, Scalar::ZERO);
+            service::raise(
+                &mut foreground,
+                FaultCode::Board,
+                None,
+                [Scalar::ONE, Scalar::ZERO],
+            );
         }
         Self {
             foreground,
@@ -53,7 +58,7 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
         self.foreground.hear(self.outputs.measure());
         self.foreground.sense(self.inputs.interlocks());
         self.foreground.sense_digital(self.inputs.digital());
-        self.foreground.tick_with(closed);
+        service::tick(&mut self.foreground, closed);
         if let Some(by) = self.foreground.shift() {
             self.outputs.shift(by);
             self.inputs.shift(by);
@@ -82,9 +87,9 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
             limit,
             ..
         } = *failure;
-        self.foreground.raise(failure.code(), drive, value, limit);
+        service::raise(&mut self.foreground, failure.code(), drive, [value, limit]);
         if let Some(angles) = self.outputs.angles() {
-            self.foreground.set_position(angles);
+            service::set_position(&mut self.foreground, angles);
         }
         self.switch_off();
     }
@@ -101,7 +106,7 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
     #[inline]
     fn report_timing(&mut self) {
         let (duration, period) = (self.clock.elapsed(), self.clock.period());
-        if self.foreground.report_timing(duration, period) {
+        if service::report_timing(&mut self.foreground, duration, period) {
             heartbeat::beat();
         } else {
             heartbeat::miss();

@@ -48,6 +48,13 @@ pub fn build_script(name: &str, root: &Path) -> Result<(), Box<dyn Error>> {
     let mut needs = Needs::read(handed_on)?;
     println!("cargo:rerun-if-env-changed={LINE}");
     needs.usb_line = asks_for_usb(env::var(LINE).ok().as_deref())?;
+    if needs.usb_line && needs.autonomous {
+        return Err(format!(
+            "{}: autonomous = true in [service]: the board has no line, so leave {LINE}=usb out",
+            visible(&needs.scene)
+        )
+        .into());
+    }
     let variable = env::var(VARIABLE).ok().filter(|name| !name.is_empty());
     let file = chosen(variable.as_deref(), &needs, family, root)?;
     println!("cargo:rerun-if-changed={}", file.display());
@@ -59,7 +66,7 @@ pub fn build_script(name: &str, root: &Path) -> Result<(), Box<dyn Error>> {
     )?;
     let out = env::var_os("OUT_DIR").ok_or("OUT_DIR is not set: not a build script")?;
     println!("cargo:rustc-check-cfg=cfg(usb)");
-    if board.has_usb_line() {
+    if board.has_usb_line() && !needs.autonomous {
         println!("cargo:rustc-cfg=usb");
     }
     let text = source::source(&board, &needs) + &firmware(&file, &board, root);

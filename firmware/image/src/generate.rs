@@ -2,6 +2,7 @@
 //!
 //! A build script calls [`build_script`] and the image includes `OUT_DIR/scene.rs`.
 
+mod autonomous;
 mod constant;
 mod drive;
 mod kinds;
@@ -61,7 +62,7 @@ pub fn units(scene: &Scene, scalar: &str) -> Result<Units, RangeError> {
 /// names the number type; the default is the scene's own, with `f32` for `f64`, which is for hosts.
 ///
 /// The file names the [features](trirrr_service::Feature) of the scene as types. Sets as `cfg`s what source depends on beside them:
-/// `drive = "..."` and `tool = "..."`, the kinds of drives and tool; `homing`, `brake`, `lamp`, `digital`; `update` for a program that may
+/// `drive = "..."` and `tool = "..."`, the kinds of drives and tool; `homing`, `brake`, `lamp`, `digital`; `autonomous` for one without a host; `update` for a program that may
 /// be replaced over the line, `scene_over_line` for one that takes other scenes, `adjustable` for one that clients may change. A package
 /// with a `links` key hands them on to the build scripts of its dependents, with the [needs](Needs) of the scene. Cargo warns of
 /// a scene that lacks limits of its motors.
@@ -99,7 +100,8 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
         )
         .into());
     }
-    if is_small {
+    // Without a line and its queues an image is a tenth of the RAM.
+    if is_small && scene.service.autonomous.is_none() {
         println!("cargo:rerun-if-env-changed=LINE");
         let usb = env::var("LINE").is_ok_and(|line| line == "usb");
         let number = match *scalar {
@@ -180,6 +182,10 @@ fn print_kinds(scene: &Scene) {
     println!("cargo:rustc-check-cfg=cfg(adjustable)");
     if scene.service.adjustable {
         println!("cargo:rustc-cfg=adjustable");
+    }
+    println!("cargo:rustc-check-cfg=cfg(autonomous)");
+    if scene.service.autonomous.is_some() {
+        println!("cargo:rustc-cfg=autonomous");
     }
     println!("cargo:rustc-check-cfg=cfg(update)");
     if scene.service.update {

@@ -40,6 +40,13 @@ const LOOK: Duration = Duration::from_micros(500);
 /// Refused: the scene, or its number type. Failed: the address cannot be listened at.
 pub fn command(args: &DeviceArgs, stop: &AtomicBool) -> Result<(), CliError> {
     let mut scene = args.set.scene_to_move(&args.scene)?;
+    if scene.service.autonomous.is_some() {
+        return Err(CliError::Refused(format!(
+            "{}:{}",
+            args.scene.display(),
+            crate::stream::NO_LINE
+        )));
+    }
     // Clients repeat a request in real time, however fast the machine plays.
     scene.service.silence_timeout_s *= args.speed;
     let scalar = args.scalar.unwrap_or(scene.number);

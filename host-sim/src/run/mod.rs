@@ -23,7 +23,7 @@ use crate::player::{PlayedScene, STOPPED};
 use crate::recording::Recorder;
 use crate::redundant;
 use crate::results::ResultFolder;
-use crate::terminal::show;
+use crate::terminal::{say, show};
 use document::RunScene;
 use simulate::simulate_in;
 use std::path::Path;
@@ -75,7 +75,9 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
         false => LongMoves::InFile,
     };
     let (out, then) = (args.out.as_deref(), &args.then);
-    let jobs = job_file::load_queue(&args.scene, then, &args.job, moves, out, "")?;
+    let mut jobs = job_file::load_queue(&args.scene, then, &args.job, moves, out, "")?;
+    jobs.iter_mut()
+        .for_each(|queued| unroll(&mut queued.job.scene));
     refuse_folders(&jobs)?;
     jobs.iter().for_each(|queued| queued.job.warn_of_pauses());
     for QueuedJob { file, job, folder } in &jobs {
@@ -85,6 +87,17 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
         }
     }
     Ok(JobEnd::Complete)
+}
+
+/// Gives a job that its board plays by itself all its passes.
+fn unroll(scene: &mut Scene) {
+    let Some(own) = scene.service.autonomous else {
+        return;
+    };
+    let played = scene.unroll();
+    if played != own.passes {
+        say("the board repeats this job by itself: one pass of it is played here");
+    }
 }
 
 /// Refuses folders that cannot take the results, before the first job is played.

@@ -85,6 +85,10 @@ fn stream_all(
     Ok(StreamEnd::Complete)
 }
 
+/// Reason why nobody talks to the board of a scene.
+pub(crate) const NO_LINE: &str = " autonomous = true in [service]: the board plays its job by itself and has no line; \
+     `trirrr run` plays it here; to talk to the machine leave autonomous, start, repeat and [inputs.button] out";
+
 /// Checks that a board with the image of the machine's own scene can play the job.
 fn check_board<N: ServiceNumber>(job: &LoadedJob) -> Result<(), String> {
     let LoadedJob {
@@ -92,6 +96,10 @@ fn check_board<N: ServiceNumber>(job: &LoadedJob) -> Result<(), String> {
         machine,
         pauses,
     } = job;
+    let own = machine.as_ref().unwrap_or(scene);
+    if own.service.autonomous.is_some() {
+        return Err(NO_LINE.into());
+    }
     if let [first, ..] = pauses[..] {
         return Err(format!(
             "{first}: the job waits for the user or an input here, and a streamed job does not: make two files of it, take the wait out, or send the file to `trirrr grbl`"

@@ -27,6 +27,15 @@ pub(crate) const STOP: Pin = Pin('A', 6);
 /// Contact of the door, to ground while it is closed.
 pub(crate) const DOOR: Pin = Pin('A', 7);
 
+/// Contact of the button, and the level at which it is pressed.
+pub(crate) const fn button(kind: Kind) -> (Pin, bool) {
+    match kind {
+        Kind::Stm32f405 => (Pin('C', 13), false),
+        // That of a Nucleo.
+        Kind::Stm32g474 => (Pin('C', 13), true),
+    }
+}
+
 /// Names of the spare outputs.
 pub(crate) const SPARE: [&str; 4] = ["output 0", "output 1", "output 2", "output 3"];
 

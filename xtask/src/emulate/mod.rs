@@ -1,5 +1,6 @@
 //! `cargo xtask emulate`: the image that is flashed, in QEMU, under the clients of a real board.
 
+mod alone;
 mod board;
 mod clients;
 mod failures;
@@ -72,6 +73,8 @@ enum EmulationPart {
     Raster,
     /// Inject failures, read their causes after the reset
     Failures,
+    /// A board without a host: read out of its memory what it plays
+    Alone,
 }
 
 pub(crate) fn run(arguments: &EmulateArgs) -> Result<()> {
@@ -83,6 +86,7 @@ pub(crate) fn run(arguments: &EmulateArgs) -> Result<()> {
         EmulationPart::Line => line(arguments, &clients),
         EmulationPart::Raster => raster(arguments, &clients),
         EmulationPart::Failures => failures::run(&clients),
+        EmulationPart::Alone => alone::run(&clients),
     })?;
     Ok(())
 }

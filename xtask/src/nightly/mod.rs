@@ -4,7 +4,7 @@
 
 mod record;
 
-use crate::bench::{UPDATED, choose_bench};
+use crate::bench::{ALONE, UPDATED, choose_bench};
 use crate::ci::with_oldest_toolchain;
 use crate::image::PROFILE;
 use crate::packages::{DevicePackage, NIGHTLY_PACKAGES, Package, STM32F405, STM32G474};
@@ -354,6 +354,7 @@ fn steps() -> Result<Vec<Step>> {
         model_of_registers(),
         Step::chore("pins of flashed images", &["bench"])?,
         Step::chore("updates of the STM32G474", &["bench", "--g474", UPDATED[0]])?,
+        Step::chore("an STM32G474 without a host", &["bench", "--g474", ALONE])?,
         Step::chore(
             "classic CAN of the STM32G474",
             &["bench", "--g474", "plant-odrive"],
@@ -522,6 +523,8 @@ fn steps() -> Result<Vec<Step>> {
     steps.push(Step::chore("a raster image of ten minutes", &raster)?);
     let failures = ["emulate", "--part", "failures"];
     steps.push(Step::chore("injected failures", &failures)?);
+    let alone = ["emulate", "--part", "alone"];
+    steps.push(Step::chore("a board without a host", &alone)?);
     steps.push(Step::chore(
         "torques of MuJoCo and Pinocchio",
         &["simulators"],

@@ -1,6 +1,7 @@
 //! Fractions of a count of ticks.
 
 use super::product::unsigned;
+use crate::to_source;
 
 /// A count of ticks and its reciprocal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -10,6 +11,8 @@ pub struct Count {
     /// n + 2.
     shift: u32,
 }
+
+to_source!([] Count [] in trirrr_core::number::fixed { inverse: u32, shift: u32 });
 
 impl Count {
     /// Of zero ticks every fraction is 1.

@@ -40,6 +40,19 @@ impl<'d> Section<'d, '_> {
         self.optional_number(key, bound).map(|value| value as u32)
     }
 
+    /// A whole number, or `word` for none, that must be there.
+    pub fn count_or(&self, key: &'d str, low: u32, high: u32, word: &str) -> Option<Option<u32>> {
+        let Some(value) = self.value(key).filter(|value| value.get_ref().is_str()) else {
+            return self.integer(key, low, high).map(Some);
+        };
+        let is_word = value.get_ref().as_str() == Some(word);
+        if !is_word {
+            let number = Bound::Whole(low, high).number_in(key);
+            self.refuse(key, format!("must be {number}, or \"{word}\""));
+        }
+        is_word.then_some(None)
+    }
+
     /// A sign, 1 or -1, that must be there.
     pub fn sign(&self, key: &'d str) -> Option<f64> {
         self.demand(key, &Bound::Sign.number_in(key))?;

@@ -1,5 +1,6 @@
 //! Scenes: read, refused with key and reason, played.
 
+mod autonomous;
 mod common;
 mod contact;
 mod drivable;

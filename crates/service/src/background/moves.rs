@@ -13,7 +13,7 @@ use crate::number::ServiceNumber;
 use crate::scene::{CurvesOf, Scene};
 use core::borrow::Borrow;
 use trirrr_core::number::Number;
-use trirrr_core::setpoint::{CurveKind, Pose, Segment, Setpoint};
+use trirrr_core::setpoint::{CurveKind, Pose, Setpoint};
 use trirrr_protocol::message::{
     AnyMove, Event, Move, MoveBatch, QuinticMove, Refusal, State, Verdict, Violation,
 };
@@ -251,15 +251,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         offered: &Offered<N, CurvesOf<S>>,
         paces: MovePaces,
     ) -> QueuedMove<N, CurvesOf<S>> {
-        let Move { ticks, number, .. } = offered.common;
-        QueuedMove {
-            segment: Segment::new(&offered.ends(), ticks, self.settings.period),
-            ticks,
-            number,
-            tool: Tool::of(&offered.common),
-            paces,
-            generation: self.view.generation,
-        }
+        QueuedMove::new(offered, paces, self.view.generation, self.settings.period)
     }
 
     /// The oldest offered move is not admitted: it and all behind it are dropped, and the next to

@@ -14,7 +14,7 @@
 
 use crate::contact::ContactWatch;
 use crate::digital::DigitalPlayer;
-use crate::feature::{Of, Optional};
+use crate::feature::{Feature, Of, Optional};
 use crate::feedback::{DriveWatch, Readings};
 use crate::handoff::QueuedMove;
 use crate::homing::Cycle;
@@ -32,8 +32,8 @@ use trirrr_protocol::message::{InputState, InputStates, State};
 type HomingCycle<'q, S> = Option<Cycle<'q, <S as Scene>::N, OffsetsOf<S>>>;
 
 /// The tick's end of each feature.
-pub(crate) struct TickFeatures<'q, S: Scene> {
-    pub(crate) splices: Of<QuinticsOf<S>, SplicePlayer<'q, S::N, CurvesOf<S>>>,
+pub(crate) struct TickFeatures<'q, S: Scene, X: Feature = QuinticsOf<S>> {
+    pub(crate) splices: Of<X, SplicePlayer<'q, S::N, CurvesOf<S>>>,
     pub(crate) setups: Of<ChangesOf<S>, Receiver<'q, Setup<ModelOf<S>>>>,
     /// Angles that this tick has added for changed encoder offsets.
     pub(crate) shifted: OffsetsOf<S>,
@@ -48,7 +48,7 @@ pub(crate) struct TickFeatures<'q, S: Scene> {
     pub(crate) digital: Of<S::Digital, DigitalPlayer<'q>>,
 }
 
-impl<'q, N: ServiceNumber, S: Scene<N = N>> TickFeatures<'q, S> {
+impl<'q, N: ServiceNumber, S: Scene<N = N>, X: Feature> TickFeatures<'q, S, X> {
     /// Takes the inputs of homing, which belong to where `motors` were commanded in the last tick.
     #[inline(always)]
     pub(super) fn begin_tick(&mut self, inputs: [bool; 3], motors: &[Motor<N>; 3]) {
@@ -152,7 +152,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> TickFeatures<'q, S> {
 
     /// Returns true if the machine has to be homed at all.
     #[inline(always)]
-    pub(super) fn needs_homing(&self) -> bool {
+    pub(crate) fn needs_homing(&self) -> bool {
         self.homing.get().is_some_and(Option::is_some)
     }
 

@@ -1,14 +1,14 @@
 //! Emergency stop, door, limit switches and probe.
 
 use super::super::interlock::{Interlocks, LatchedContact};
-use super::Foreground;
+use super::{Foreground, TickEnds};
 use crate::feature::{Feature, Optional};
 use crate::guard::LimitBreach;
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
 use trirrr_protocol::message::{Acting, FaultCode, State};
 
-impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
+impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
     /// Stops for a person or a contact: by a fault if the emergency stop was pressed or a motor has reached its limit switch, by a
     /// hold while the door is open, by a stop where the probe of a run touches.
     #[inline(always)]
@@ -66,7 +66,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         if let Some(probe) = self.features.probe.get_mut() {
             probe.touch(contact);
         }
-        self.unreported = true;
+        self.note_change();
         self.transition_to(State::Stopping, Acting::Probe);
     }
 

@@ -1,5 +1,6 @@
 //! The half that runs once per tick, above everything else.
 
+mod ends;
 mod features;
 mod interlock;
 mod orders;
@@ -10,14 +11,14 @@ mod retreat;
 mod splice;
 mod supply;
 
+pub(super) use ends::{ForegroundEnds, TickEnds};
 pub(super) use features::TickFeatures;
 pub use output::{Output, Power};
 
 use super::feed::{FeedScale, PathPosition};
 use super::guard::{Guard, LimitBreach};
-use super::handoff::{Order, QueuedMove, Recover, SharedCounters, TickReport};
+use super::handoff::QueuedMove;
 use super::pace::{FULL, Pace, RoomCount};
-use super::queue::{Receiver, Sender};
 use super::settings::Settings;
 use crate::feature::Optional;
 use crate::feedback::Readings;
@@ -31,22 +32,20 @@ use supply::Supply;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{CurveKind, JointSetpoint, Pose, Setpoint};
 use trirrr_core::tick::{Motion, Motor, Tick};
-use trirrr_protocol::message::{
-    Acting, Fault, FaultCode, Interruption, State, Telemetry, TelemetryFields,
-};
+use trirrr_protocol::message::{Acting, FaultCode, Interruption, State, TelemetryFields};
 
 /// The half of the service that runs once per tick.
-pub struct Foreground<'q, S: Scene> {
+pub struct Foreground<'q, S: Scene, E: TickEnds<S> = ForegroundEnds<'q, S>> {
     tick: Tick<ModelOf<S>>,
     pub(super) guard: Guard<S::N>,
-    ends: ForegroundEnds<'q, S>,
-    pub(super) features: TickFeatures<'q, S>,
-    supply: Supply,
-    state: State,
+    pub(super) ends: E,
+    pub(super) features: TickFeatures<'q, S, E::Splices>,
+    pub(super) supply: Supply,
+    pub(super) state: State,
     acting: Acting,
     /// Tick in which the present wait for moves, or way to rest, began.
     since: u32,
-    travel: PathTravel<S::N, CurvesOf<S>>,
+    pub(super) travel: PathTravel<S::N, CurvesOf<S>>,
     job: JobPlace,
     /// Pose to which the platform was commanded last.
     pub(super) pose: Pose<S::N>,
@@ -61,7 +60,7 @@ pub struct Foreground<'q, S: Scene> {
 }
 
 /// Path under way, and the pace on it.
-struct PathTravel<N: Number, K: CurveKind> {
+pub(super) struct PathTravel<N: Number, K: CurveKind> {
     path: Path,
     /// The move under way.
     current: Option<QueuedMove<N, K>>,
@@ -71,7 +70,7 @@ struct PathTravel<N: Number, K: CurveKind> {
     passed: RoomCount,
     feed: FeedScale,
     /// A hold that the host asked for: it waits to be resumed.
-    held: bool,
+    pub(super) held: bool,
     /// 1 / (R dt): change of the pace per time on a ramp.
     slope: N::Factor,
     counts: Counts<N>,
@@ -134,24 +133,13 @@ enum Target<N: Number> {
     Still,
 }
 
-/// The ends that belong to the tick.
-pub(crate) struct ForegroundEnds<'q, S: Scene> {
-    pub(super) moves: Receiver<'q, QueuedMove<S::N, CurvesOf<S>>>,
-    pub(super) recoveries: Receiver<'q, Recover<S::N>>,
-    pub(super) orders: Receiver<'q, Order>,
-    pub(super) reports: Sender<'q, TickReport<S>>,
-    pub(super) faults: Sender<'q, Fault<S::N>>,
-    pub(super) samples: Sender<'q, Telemetry<S::N>>,
-    pub(super) shared: &'q SharedCounters,
-}
-
-impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
+impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E> {
     pub(super) fn new(
         setup: Setup<ModelOf<S>>,
         angles: [N::Angle; 3],
         settings: &Settings<N>,
-        ends: ForegroundEnds<'q, S>,
-        features: TickFeatures<'q, S>,
+        ends: E,
+        features: TickFeatures<'q, S, E::Splices>,
     ) -> Self {
         let feed = FeedScale::new(settings.ramp.ticks);
         let motor = |angle| Motor {
@@ -240,7 +228,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         self.take_splice();
         self.features.drop_stale(self.job.generation);
         self.check_interlocks();
-        let started = self.take_order();
+        let started = E::take_order(self);
         let target = self.advance(started);
         let setpoint = match target {
             Target::Setpoint(setpoint) => match self.tick.evaluate(&setpoint) {
@@ -280,11 +268,14 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             }
         };
         self.clock = self.clock.wrapping_add(1);
-        self.ends.shared.tick.store(self.clock, Ordering::Relaxed);
+        if let Some(shared) = self.ends.shared() {
+            shared.tick.store(self.clock, Ordering::Relaxed);
+        }
         let runs = self.tool_runs();
-        self.unreported |= self.features.settle(runs, self.clock);
-        self.report();
-        self.sample(&setpoint);
+        if self.features.settle(runs, self.clock) {
+            self.note_change();
+        }
+        E::report(self, &setpoint);
         self.features.sample(self.clock);
         &self.output
     }
@@ -300,12 +291,13 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     /// Takes what the contacts of the interlocks tell, before the tick. A machine whose owner says nothing keeps the last.
     #[inline]
     pub fn sense(&mut self, readings: InterlockReadings) {
+        self.ends.sense(readings);
         let inputs = self.features.interlocks.get_mut();
         let changed = inputs.is_some_and(|all| all.sense(readings));
         let probe = self.features.probe.get_mut();
         let probed = probe.is_some_and(|probe| probe.read(readings.probe));
         if changed | probed {
-            self.unreported = true;
+            self.note_change();
         }
     }
 
@@ -360,10 +352,11 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     /// period; the [output](Foreground::output) is off then.
     #[inline]
     pub fn report_timing(&mut self, duration: u32, period: u32) -> bool {
-        self.sampling.duration = duration;
-        let longest = self.ends.shared.longest.load(Ordering::Relaxed);
-        if duration > longest {
-            self.ends.shared.longest.store(duration, Ordering::Relaxed);
+        if let Some(shared) = self.ends.shared() {
+            self.sampling.duration = duration;
+            if duration > shared.longest.load(Ordering::Relaxed) {
+                shared.longest.store(duration, Ordering::Relaxed);
+            }
         }
         let in_time = duration <= period;
         if !in_time {
@@ -374,11 +367,17 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
 
     /// Counts a tick that came too late, of a machine that keeps no deadlines.
     pub fn count_late(&mut self) {
-        super::handoff::count(&self.ends.shared.late);
+        if let Some(shared) = self.ends.shared() {
+            super::handoff::count(&shared.late);
+        }
     }
 
     #[cold]
     fn overrun(&mut self, duration: u32, period: u32) {
+        if self.ends.shared().is_none() {
+            // Nobody is told how late it was.
+            return self.raise(FaultCode::Overrun, None, N::ONE, N::ONE);
+        }
         // Two periods are the most that every board can tell.
         let late = (duration - period).min(period);
         let value = N::ONE + N::ratio(late, period);
@@ -415,7 +414,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             self.drop_queue();
             self.transition_to(State::Cleared, Acting::Nothing);
         }
-        self.unreported = true;
+        self.note_change();
         true
     }
 
@@ -431,7 +430,10 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     /// Counts the silence of the host.
     #[inline]
     fn listen(&mut self) {
-        let heard = self.ends.shared.heard.load(Ordering::Relaxed);
+        let Some(shared) = self.ends.shared() else {
+            return;
+        };
+        let heard = shared.heard.load(Ordering::Relaxed);
         if heard != self.host.heard {
             self.host.heard = heard;
             self.host.silent = 0;
@@ -458,9 +460,19 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         self.transition_to(State::Stopping, Acting::Silence);
     }
 
+    /// Something changed that was not reported, if anybody is told.
+    #[inline(always)]
+    pub(super) fn note_change(&mut self) {
+        if self.ends.shared().is_some() {
+            self.unreported = true;
+        }
+    }
+
     fn transition_to(&mut self, state: State, acting: Acting) {
         if self.state != state || self.acting != acting {
-            self.account(state, acting);
+            if self.ends.shared().is_some() {
+                self.account(state, acting);
+            }
             if !plays(state) {
                 self.leave();
             }
@@ -470,31 +482,28 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
             self.features.enter(state, plays(state));
             self.state = state;
             self.acting = acting;
-            self.unreported = true;
+            self.note_change();
         }
     }
 
     /// Counts the ticks of what ends here: a wait for moves, a way to rest.
     #[inline(never)]
     fn account(&mut self, state: State, acting: Acting) {
+        let Some(shared) = self.ends.shared() else {
+            return;
+        };
         let took = self.clock.wrapping_sub(self.since);
         let was_dry = self.acting == Acting::QueueDry;
         let slows = |state| matches!(state, State::Slowing | State::Stopping | State::Reacting);
         if was_dry && acting != Acting::QueueDry {
-            let dry = self.ends.shared.dry.load(Ordering::Relaxed);
-            self.ends
-                .shared
-                .dry
-                .store(dry.wrapping_add(took), Ordering::Relaxed);
+            let dry = shared.dry.load(Ordering::Relaxed);
+            shared.dry.store(dry.wrapping_add(took), Ordering::Relaxed);
         }
         if !was_dry && slows(self.state) && !slows(state) {
-            let longest = self.ends.shared.longest_stop.load(Ordering::Relaxed);
+            let longest = shared.longest_stop.load(Ordering::Relaxed);
             // That in which it comes to rest is one of them.
             let longest = longest.max(took.wrapping_add(1));
-            self.ends
-                .shared
-                .longest_stop
-                .store(longest, Ordering::Relaxed);
+            shared.longest_stop.store(longest, Ordering::Relaxed);
         }
         let goes_on = match was_dry {
             true => acting == Acting::QueueDry,
@@ -511,6 +520,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         self.leave();
         self.tell_left();
         self.job.generation = self.job.generation.wrapping_add(1);
+        self.ends.drop_moves();
         self.travel.path = Path::None;
         self.travel.current = None;
         self.travel.position = PathPosition::START;
@@ -519,7 +529,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
         self.travel.feed.end();
         self.travel.held = false;
         self.job.done = self.job.begun;
-        self.unreported = true;
+        self.note_change();
     }
 
     /// The tool of the job goes off for good. The first place of a job counts: on the way to rest the path is left without the tool.
@@ -541,7 +551,9 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'q, S> {
     /// The job is over: a host is told where it was left, if it was.
     #[inline(never)] // size: docs/size.md, rule 3
     fn tell_left(&mut self) {
-        if let Some(left) = self.job.left.take() {
+        if let Some(left) = self.job.left.take()
+            && self.ends.shared().is_some()
+        {
             self.job.interrupted = Some(left);
         }
     }

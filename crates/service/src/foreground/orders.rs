@@ -2,7 +2,7 @@
 
 use super::super::feed::PathPosition;
 use super::super::handoff::{Order, QueuedMove};
-use super::{Foreground, Part, Path};
+use super::{Foreground, ForegroundEnds, Part, Path, TickEnds};
 use crate::feature::Optional;
 use crate::guard::Guard;
 use crate::number::ServiceNumber;
@@ -10,11 +10,11 @@ use crate::scene::{CurvesOf, Scene};
 use trirrr_core::setpoint::wrapped;
 use trirrr_protocol::message::{Acting, State};
 
-impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
+impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S, ForegroundEnds<'q, S>> {
     /// Handles one order, or discards one stale move. Returns true if a path started in this tick: its first setpoint is this
     /// tick's. An order that does not fit the state, because the state changed while it was on its way, changes nothing.
     #[inline]
-    pub(super) fn take_order(&mut self) -> bool {
+    pub(super) fn take_queued_order(&mut self) -> bool {
         if self.travel.path == Path::None
             && self
                 .ends
@@ -106,31 +106,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         true
     }
 
-    fn start(&mut self) -> bool {
-        let full = self.gets_no_more();
-        let ahead = self.ahead();
-        let room = |x: usize| self.travel.passed.room.left(&ahead.room, x);
-        let enough = ahead.rests_from(self.job.begun) || self.travel.feed.is_enough(0, room);
-        let is_blocked = self.features.is_open() || self.features.is_at_limit();
-        if self.state != State::Idle || is_blocked || !(enough || full) {
-            return false;
-        }
-        if !self.begin_next() {
-            return false;
-        }
-        self.begin();
-        if !enough {
-            // More does not fit in: slowly, as what there is allows.
-            self.travel.feed.end();
-        }
-        self.transition_to(State::Running, Acting::Nothing);
-        true
-    }
-
     fn recover(&mut self) -> bool {
         let waits = matches!(self.state, State::Idle | State::Cleared);
         if !waits || self.features.is_open() {
-            self.ends.recoveries.discard();
+            self.ends.take_recovery();
             return false;
         }
         self.drop_queue();
@@ -140,29 +119,6 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         self.begin();
         self.transition_to(State::Recovering, Acting::Nothing);
         true
-    }
-
-    fn home(&mut self) {
-        let waits = matches!(self.state, State::Unhomed | State::Idle | State::Cleared);
-        if !waits || !self.features.needs_homing() || self.features.is_open() {
-            self.ends.recoveries.discard();
-            return;
-        }
-        self.drop_queue();
-        if let Some(cycle) = self.features.homing() {
-            cycle.begin();
-        }
-        self.host.silent = 0;
-        self.transition_to(State::Homing, Acting::Nothing);
-    }
-
-    /// At the start of a path, which starts at rest: normal speed at once.
-    pub(super) fn begin(&mut self) {
-        self.travel.position = PathPosition::START;
-        self.features.begin_path();
-        self.travel.feed.start();
-        self.travel.held = false;
-        self.host.silent = 0;
     }
 
     fn hold(&mut self) {
@@ -186,6 +142,53 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             }
             _ => {}
         }
+    }
+}
+
+impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
+    pub(crate) fn start(&mut self) -> bool {
+        let full = self.gets_no_more();
+        let ahead = self.ahead();
+        let room = |x: usize| self.travel.passed.room.left(&ahead.room, x);
+        let enough =
+            E::IS_WHOLE || ahead.rests_from(self.job.begun) || self.travel.feed.is_enough(0, room);
+        let is_blocked = self.features.is_open() || self.features.is_at_limit();
+        if self.state != State::Idle || is_blocked || !(enough || full) {
+            return false;
+        }
+        if !self.begin_next() {
+            return false;
+        }
+        self.begin();
+        if !enough {
+            // More does not fit in: slowly, as what there is allows.
+            self.travel.feed.end();
+        }
+        self.transition_to(State::Running, Acting::Nothing);
+        true
+    }
+
+    pub(crate) fn home(&mut self) {
+        let waits = matches!(self.state, State::Unhomed | State::Idle | State::Cleared);
+        if !waits || !self.features.needs_homing() || self.features.is_open() {
+            self.ends.take_recovery();
+            return;
+        }
+        self.drop_queue();
+        if let Some(cycle) = self.features.homing() {
+            cycle.begin();
+        }
+        self.host.silent = 0;
+        self.transition_to(State::Homing, Acting::Nothing);
+    }
+
+    /// At the start of a path, which starts at rest: normal speed at once.
+    pub(super) fn begin(&mut self) {
+        self.travel.position = PathPosition::START;
+        self.features.begin_path();
+        self.travel.feed.start();
+        self.travel.held = false;
+        self.host.silent = 0;
     }
 
     pub(super) fn stop(&mut self) {

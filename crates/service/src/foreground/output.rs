@@ -2,7 +2,7 @@
 
 use super::super::guard::LimitBreach;
 use super::super::handoff::QueuedMove;
-use super::{Foreground, Path};
+use super::{Foreground, Path, TickEnds};
 use crate::feature::Optional;
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
@@ -47,7 +47,7 @@ impl<N: Number> Output<N> {
     }
 }
 
-impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
+impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
     /// Power of the tool: in proportion to its speed along the path, or constant, and nothing unless the job
     /// runs. Behind an open door nothing, at once, and until the job runs again: on the way to rest the path is left without the tool.
     #[inline]
@@ -102,12 +102,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     pub(super) fn latch(&mut self, broken: LimitBreach<N>) {
         let category = match self.state {
             State::Fault | State::Reacting | State::Enabling => StopCategory::Off,
-            _ if !self.output.is_on() => StopCategory::Off,
+            _ if !self.output.is_on() || !E::CHANGES_PACE => StopCategory::Off,
             _ => self.reaction(broken.code),
         };
         if !self.state.has_fault() {
-            // There is room: the one before was taken before it was cleared.
-            self.ends.faults.send(Fault {
+            self.ends.tell_fault(Fault {
                 code: broken.code,
                 index: broken.index,
                 value: broken.value,
@@ -148,7 +147,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             if matches!(self.travel.path, Path::Joints | Path::JointsEnded)
                 || self.features.is_homing()
             {
-                self.ends.recoveries.discard();
+                self.ends.take_recovery();
             }
             if let Some(cycle) = self.features.homing() {
                 cycle.abandon();

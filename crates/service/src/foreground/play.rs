@@ -5,14 +5,14 @@ use super::super::guard::LimitBreach;
 use super::super::handoff::Ahead;
 use super::super::homing::Progress;
 use super::super::pace::{FULL, MovePaces, Pace};
-use super::{Foreground, Part, Path, Target};
+use super::{Foreground, Part, Path, Target, TickEnds};
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_protocol::message::{Acting, State};
 
-impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
+impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
     /// Advances the path by one tick and returns its target. `started`: this is the first tick of a path, and the target is its
     /// start.
     #[inline]
@@ -39,7 +39,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             step
         };
         let target = self.target(step);
-        if self.travel.feed.is_at_rest() {
+        if E::CHANGES_PACE && self.travel.feed.is_at_rest() {
             self.come_to_rest();
         }
         target
@@ -60,7 +60,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 self.target(self.travel.feed.steady())
             }
             Progress::Stopped => {
-                self.ends.recoveries.discard();
+                self.ends.take_recovery();
                 self.rest_in(State::Unhomed, self.acting);
                 Target::Still
             }
@@ -113,7 +113,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 self.rest_in(State::Idle, acting);
             }
             Path::JointsEnded => {
-                if let Some(recovery) = self.ends.recoveries.receive() {
+                if let Some(recovery) = self.ends.take_recovery() {
                     self.pose = recovery.to;
                 }
                 self.travel.path = Path::None;
@@ -130,6 +130,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     #[inline]
     fn step_length(&mut self) -> Step {
         let steady = self.travel.feed.steady();
+        if !E::CHANGES_PACE {
+            return steady;
+        }
         let goes_on = self.state == State::Running && self.acting == Acting::Nothing;
         match goes_on && self.travel.feed.is_at_goal() && self.reaches(steady) {
             true => steady,
@@ -200,6 +203,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// rest: there the path can end without.
     #[inline]
     fn room(&self) -> Option<impl Fn(usize) -> i32> {
+        if E::IS_WHOLE {
+            return None;
+        }
         let ahead = self.ahead();
         // The end of the move under way counts, unless the path stands there.
         let next = match self.travel.path {
@@ -266,7 +272,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 }
                 if self.job.done != self.job.begun {
                     self.job.done = self.job.begun;
-                    self.unreported = true;
+                    self.note_change();
                 }
                 let more = self.next_move().is_some();
                 if self.rests_here(more) {
@@ -280,8 +286,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             Path::Joints => {
                 let ticks = self
                     .ends
-                    .recoveries
-                    .peek()
+                    .recovery()
                     .map_or(0, |recovery| recovery.path.ticks());
                 if self.travel.position.tick >= ticks {
                     self.land(ticks);
@@ -296,6 +301,9 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     /// little of it to stop in from this pace.
     #[inline(never)]
     fn rests_here(&self, more: bool) -> bool {
+        if E::IS_WHOLE {
+            return !more;
+        }
         let ahead = self.ahead();
         let stand = Step {
             parts: 0,
@@ -358,7 +366,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         let pace = current.paces.of(index);
         let end = self.clip(MovePaces::end_of(current.ticks, index));
         self.travel.part = Part { index, end, pace };
-        if self.is_cut_ahead() {
+        if E::IS_WHOLE || self.is_cut_ahead() {
             return;
         }
         self.travel
@@ -377,16 +385,19 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
                 };
                 let on_path = current.segment.between(position.tick, self.part());
                 // At normal speed the position is a whole tick, and the setpoint the segment's own.
-                if position.part == 0 && step.is_normal(&self.travel.feed) {
+                if !E::CHANGES_PACE || (position.part == 0 && step.is_normal(&self.travel.feed)) {
                     return Target::Setpoint(on_path);
                 }
                 Target::Setpoint(self.scaled(&on_path, step))
             }
             Path::Joints | Path::JointsEnded => {
-                let Some(recovery) = self.ends.recoveries.peek() else {
+                let Some(recovery) = self.ends.recovery() else {
                     return Target::Still;
                 };
                 let mut joints = recovery.path.between(position.tick, self.part());
+                if !E::CHANGES_PACE {
+                    return Target::Joints(joints);
+                }
                 let (speed, change) = self.speed(step);
                 for (acceleration, rate) in joints.accelerations.iter_mut().zip(&mut joints.rates) {
                     *acceleration = *acceleration * speed * speed;
@@ -454,7 +465,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
             State::Stopping | State::Reacting => {
                 let on_path = matches!(self.travel.path, Path::Move | Path::Ended);
                 if !on_path {
-                    self.ends.recoveries.discard();
+                    self.ends.take_recovery();
                 }
                 self.drop_queue();
                 // In a recovery the platform's pose is not known.

@@ -1,7 +1,7 @@
 //! Reports and samples that the tick sends of itself.
 
 use super::super::handoff::{TickReport, count};
-use super::Foreground;
+use super::{Foreground, ForegroundEnds};
 use crate::digital::DigitalPlayer;
 use crate::feature::Feature;
 use crate::feedback::DriveWatch;
@@ -12,7 +12,7 @@ use crate::splice::SplicePlayer;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_protocol::message::Telemetry;
 
-impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
+impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S, ForegroundEnds<'q, S>> {
     /// Reports what changed; where there is no room, later.
     #[inline]
     pub(super) fn report(&mut self) {

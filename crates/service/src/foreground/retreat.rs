@@ -1,13 +1,13 @@
 //! Back on the path, after a contact.
 
 use super::super::feed::{PathPosition, Step};
-use super::{Foreground, Path, Target};
+use super::{Foreground, Path, Target, TickEnds};
 use crate::feature::Optional;
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
 use trirrr_protocol::message::{FaultCode, State};
 
-impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
+impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
     /// A fault of this kind brings the machine to rest: at a contact it is to go back then.
     #[inline]
     pub(super) fn want_retreat(&mut self, code: FaultCode) {

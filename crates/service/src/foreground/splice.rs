@@ -3,13 +3,13 @@
 use super::super::handoff::{Ahead, QueuedMove};
 use super::super::pace::{Room, RoomCount};
 use super::super::splice::{CutOrder, Place, SpliceOrder};
-use super::{Foreground, Path};
+use super::{Foreground, Path, TickEnds};
 use crate::feature::Optional;
 use crate::number::ServiceNumber;
 use crate::scene::{CurvesOf, Scene};
 use trirrr_protocol::message::State;
 
-impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
+impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
     /// Drops a move of the common queue that was cut, and takes an order.
     #[inline]
     pub(super) fn take_splice(&mut self) {
@@ -18,8 +18,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
         };
         let order = splices.take_order();
         if splices.hides_queue {
-            match self.ends.moves.peek() {
-                Some(next) if next.generation != self.job.generation => self.ends.moves.discard(),
+            match self.ends.next_move() {
+                Some(next) if next.generation != self.job.generation => {
+                    self.ends.take_move();
+                }
                 _ => splices.hides_queue = false,
             }
         }
@@ -112,7 +114,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     #[inline(never)]
     pub(super) fn gets_no_more(&self) -> bool {
         let chain = self.features.splices.get().map_or(0, |all| all.len());
-        self.is_cut_ahead() || self.ends.moves.len() + chain >= self.ends.moves.capacity()
+        let [waiting, places] = self.ends.fill();
+        self.is_cut_ahead() || waiting + chain >= places
     }
 
     /// Cut that is ahead: none, one, or one whose chain was given back.
@@ -164,10 +167,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     #[inline]
     pub(super) fn next_move(&self) -> Option<&QueuedMove<N, CurvesOf<S>>> {
         let Some(splices) = self.features.splices.get() else {
-            return self.ends.moves.peek();
+            return self.ends.next_move();
         };
         match splices.peek(self.number()) {
-            None if !splices.hides_queue => self.ends.moves.peek(),
+            None if !splices.hides_queue => self.ends.next_move(),
             next => next,
         }
     }
@@ -176,10 +179,10 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     #[inline]
     pub(super) fn receive_move(&mut self) -> Option<QueuedMove<N, CurvesOf<S>>> {
         let Some(splices) = self.features.splices.get_mut() else {
-            return self.ends.moves.receive();
+            return self.ends.take_move();
         };
         match splices.receive() {
-            None if !splices.hides_queue => self.ends.moves.receive(),
+            None if !splices.hides_queue => self.ends.take_move(),
             next => next,
         }
     }
@@ -189,6 +192,6 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
     pub(super) fn ahead(&self) -> Ahead {
         let own = self.features.splices.get();
         own.and_then(|splices| splices.ahead(self.job.generation))
-            .unwrap_or_else(|| self.ends.shared.ahead())
+            .unwrap_or_else(|| self.ends.ahead())
     }
 }

@@ -1,7 +1,7 @@
 //! Switching the drives on and off, with the times that they and the brake take.
 
 use super::output::Power;
-use super::{Foreground, Path, Target};
+use super::{Foreground, Path, Target, TickEnds};
 use crate::feature::Optional;
 use crate::feedback::EnableProgress;
 use crate::guard::LimitBreach;
@@ -11,7 +11,7 @@ use crate::settings::{PowerTimes, Reactions, StopCategory};
 use trirrr_protocol::message::{Acting, DriveFault, DriveState, FaultCode, State};
 
 /// Progress of switching on or off.
-pub(super) struct Supply {
+pub(crate) struct Supply {
     times: PowerTimes,
     phase: EnablePhase,
     /// Ticks until the state that follows.
@@ -62,15 +62,20 @@ impl Supply {
         self.lost = true;
     }
 
+    /// Returns true if the pose of the platform is not known.
+    pub(crate) fn is_lost(&self) -> bool {
+        self.lost
+    }
+
     /// The pose of the platform is known, or is not.
     pub(super) fn set_lost(&mut self, lost: bool) {
         self.lost = lost;
     }
 }
 
-impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
+impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
     /// Switches the drives on: at once, or, if they tell where they are, once they have told it.
-    pub(super) fn enable(&mut self) {
+    pub(crate) fn enable(&mut self) {
         if self.state != State::Disabled {
             return;
         }
@@ -111,7 +116,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// Acknowledges a fault, and the angles of drives that have restarted. The drives stay off; in this tick their errors are
     /// cleared.
-    pub(super) fn clear_fault(&mut self) {
+    pub(crate) fn clear_fault(&mut self) {
         // The order may be older than the stop.
         if self.features.is_pressed() {
             return;
@@ -278,7 +283,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S> {
 
     /// The background has found the pose: the drives close where they are, unless a joint has moved since.
     pub(super) fn place(&mut self) {
-        let Some(place) = self.ends.recoveries.receive() else {
+        let Some(place) = self.ends.take_recovery() else {
             return;
         };
         if self.state != State::Enabling || self.supply.phase != EnablePhase::Place {

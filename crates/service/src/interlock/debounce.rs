@@ -21,6 +21,16 @@ impl DebouncedInput {
         }
     }
 
+    /// Active contact, which has to be clear before it can become active.
+    pub(crate) fn active(debounce_ticks: u16) -> Self {
+        let clear = Self::new(debounce_ticks);
+        Self {
+            is_active: true,
+            count: clear.top,
+            ..clear
+        }
+    }
+
     /// Takes what the contact tells in this tick. Returns true if it has changed with that.
     #[inline]
     pub(crate) fn read(&mut self, is_active: bool) -> bool {

@@ -64,6 +64,15 @@ pub struct LimitInputs {
     pub debounce_ticks: u16,
 }
 
+/// Settings of the button of a machine without a host.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ButtonInput {
+    /// Ticks of a change without bounces, that in which it counts included; at least 1.
+    pub debounce_ticks: u16,
+}
+
+to_source!(pub [] ButtonInput [] in trirrr_service { debounce_ticks });
+
 to_source!(pub [] EmergencyStop [] in trirrr_service {
     debounce_ticks,
     category,
@@ -93,6 +102,8 @@ pub struct InterlockReadings {
     pub probe: bool,
     /// The motor has reached its limit switch.
     pub limits: [bool; 3],
+    /// The button of a machine without a host is pressed.
+    pub button: bool,
 }
 
 /// Bits of the inputs for which the interlocks of a scene have code. That for the others is left out.
@@ -120,6 +131,18 @@ pub(crate) struct Interlocks<F> {
     limits: LimitSwitches,
     has_limits: bool,
     inputs: PhantomData<F>,
+}
+
+impl InterlockParameters {
+    /// Ticks in which contacts that are active from the start on have become so.
+    pub(crate) fn settling_ticks(&self) -> u16 {
+        let each = [
+            self.emergency_stop.map(|stop| stop.debounce_ticks),
+            self.door.map(|door| door.debounce_ticks),
+            self.limits.map(|limits| limits.debounce_ticks),
+        ];
+        each.into_iter().flatten().max().unwrap_or(0)
+    }
 }
 
 impl<F: Feature> Interlocks<F> {

@@ -10,6 +10,7 @@ mod interlocks;
 mod levels;
 mod limit_switches;
 mod moves;
+mod own_job;
 mod path;
 mod probe;
 mod random;

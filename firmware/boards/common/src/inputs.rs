@@ -3,7 +3,7 @@
 
 use trirrr_app::inputs::Inputs;
 
-/// Pins of the inputs: homing switches; emergency stop, door, probe and three limit switches; spare ones.
+/// Pins of the inputs: homing switches; emergency stop, door, probe and three limit switches and the button; spare ones.
 pub struct InputPins<H, C, S> {
     /// Homing switches of the three motors.
     pub homing: H,
@@ -90,9 +90,11 @@ impl<I: Inputs> InputGroup<I> for () {
 mod contacts {
     use super::{InputGroup, Inputs};
     use crate::BoardPin;
-    use trirrr_app::inputs::{DoorLine, GuardedInputs, LimitSwitches, ProbeLine, StopLine};
+    use trirrr_app::inputs::{
+        ButtonLine, DoorLine, GuardedInputs, LimitSwitches, ProbeLine, StopLine,
+    };
 
-    impl<I, S, D, P, A, B, C> InputGroup<I> for (S, D, P, A, B, C)
+    impl<I, S, D, P, A, B, C, T> InputGroup<I> for (S, D, P, A, B, C, T)
     where
         I: Inputs,
         S: BoardPin,
@@ -101,21 +103,28 @@ mod contacts {
         A: BoardPin,
         B: BoardPin,
         C: BoardPin,
+        T: BoardPin,
     {
         type Joined = GuardedInputs<
             I,
-            (StopLine<S::Input>, DoorLine<D::Input>, ProbeLine<P::Input>),
+            (
+                StopLine<S::Input>,
+                DoorLine<D::Input>,
+                ProbeLine<P::Input>,
+                ButtonLine<T::Input>,
+            ),
             LimitSwitches<A::Input, B::Input, C::Input>,
         >;
 
         fn beside(self, homing: I) -> Self::Joined {
-            let (stop, door, probe, first, second, third) = self;
+            let (stop, door, probe, first, second, third, button) = self;
             GuardedInputs {
                 homing,
                 contacts: (
                     StopLine::at(|| stop.pulled_up()),
                     DoorLine::at(|| door.pulled_up()),
                     ProbeLine::at(|| probe.pulled_up()),
+                    ButtonLine::at(|| button.pulled_up()),
                 ),
                 limits: LimitSwitches::at(
                     || first.pulled_up(),

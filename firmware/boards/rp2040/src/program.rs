@@ -10,31 +10,24 @@
 
 #[rtic::app(device = crate::board::device, peripherals = true)]
 mod app {
-    use crate::board::{
-        self, FIRMWARE, InputPins, LogPort, LogTransmit, OutputPins, Pins, ToolPart,
-    };
+    use crate::board::{self, FIRMWARE, InputPins, OutputPins, Pins, ToolPart};
     use crate::clock::{self, CORE_HZ};
     use crate::drives::{self, DriveTimer, Drives};
     use crate::line::{self, ByteReceiver, LineMemory, LineTransmitter, PacketReceiver};
+    use crate::log::{self, LogTransmitter};
     use crate::pins::Ports;
     use crate::start;
-    use rp2040_hal::fugit::{ExtU32, RateExtU32};
-    use rp2040_hal::gpio::{self, AnyPin, FunctionUart, Pin, PullNone};
+    use rp2040_hal::fugit::ExtU32;
+    use rp2040_hal::gpio;
     use rp2040_hal::pwm::Slices;
-    use rp2040_hal::typelevel::{OptionTNone, OptionTSome};
-    use rp2040_hal::uart::{self, DataBits, StopBits, UartConfig, UartPeripheral, Writer};
     use rp2040_hal::{Sio, Watchdog};
     use trirrr_app::outputs::WithParts;
-    use trirrr_app::{Background, Channels, Tick, TickClock, period};
-    use trirrr_app::{LOG_BAUD, WATCHDOG_MS};
-    use trirrr_boards::{BoardPin, BuiltInputs, OutputsBeside};
+    use trirrr_app::{Background, Channels, Tick, TickClock, WATCHDOG_MS, period};
+    use trirrr_boards::{BuiltInputs, OutputsBeside};
     use trirrr_protocol::message::{Board, Clock};
 
     type BoardInputs = <InputPins as BuiltInputs>::Inputs;
     type BoardOutputs = WithParts<Drives, <OutputPins as OutputsBeside>::Parts<ToolPart>>;
-
-    type LogPin = Pin<<<LogTransmit as BoardPin>::Plain as AnyPin>::Id, FunctionUart, PullNone>;
-    type LogPins = uart::Pins<OptionTSome<LogPin>, OptionTNone, OptionTNone, OptionTNone>;
 
     #[shared]
     struct Shared {}
@@ -45,7 +38,7 @@ mod app {
         packets: PacketReceiver,
         tick: Tick<BoardInputs, BoardOutputs>,
         slot: DriveTimer,
-        background: Background<LineTransmitter, Writer<LogPort, LogPins>>,
+        background: Background<LineTransmitter, LogTransmitter>,
         watchdog: Watchdog,
     }
 
@@ -83,14 +76,8 @@ mod app {
             usb: (device.USBCTRL_REGS, device.USBCTRL_DPRAM),
         };
         let pins = Pins::take(pins, slices, ports);
-        let settings = UartConfig::new(LOG_BAUD.Hz(), DataBits::Eight, None, StopBits::One);
-        let log_pins = uart::Pins::default().tx(pins.log_transmit.plain().reconfigure());
-        let log = UartPeripheral::new(pins.log, log_pins, &mut resets)
-            .enable(settings, clocks.peripheral);
-        let Ok(log) = log else {
-            panic!("the clock does not divide into the baud rate of the log");
-        };
-        let (_, log) = log.split();
+        #[allow(clippy::let_unit_value)] // where there is none
+        let log = log::start_log(pins.log_transmit, pins.log, &mut resets, &clocks);
         let port = (pins.line_port, pins.line);
         let ((bytes, packets), received, transmitter) =
             line::start(memory, port, &mut resets, clocks);
@@ -135,7 +122,7 @@ mod app {
 
     /// Moves bytes from the line into their queue. Above the tick: the receiver interrupts with four bytes, or
     /// when no more come, and has room for 28 more.
-    #[cfg(not(usb))]
+    #[cfg(not(any(usb, autonomous)))]
     #[task(binds = LINE, priority = 3, local = [bytes])]
     fn bytes(context: bytes::Context) {
         context.local.bytes.run();

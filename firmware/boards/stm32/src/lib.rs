@@ -13,10 +13,13 @@ mod failure;
 #[cfg(feature = "stm32g474")]
 mod g474;
 mod gpio;
-#[cfg(not(usb))]
+#[cfg(not(any(usb, autonomous)))]
 mod line;
+#[cfg(autonomous)]
+mod no_line;
 mod pins;
 mod program;
+#[cfg(not(autonomous))]
 mod serial;
 mod start;
 mod timers;
@@ -28,3 +31,5 @@ use chip::usb as line;
 use f405 as chip;
 #[cfg(feature = "stm32g474")]
 use g474 as chip;
+#[cfg(autonomous)]
+use {no_line as line, no_line as serial};

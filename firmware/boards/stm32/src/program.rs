@@ -59,6 +59,7 @@ mod app {
             _ => const { period(FAST.core) },
         };
         let pins = Pins::take();
+        #[allow(clippy::let_unit_value)] // where there is none
         let log = serial::start_log(pins.log_transmit, &clocks);
         let (packets, receiver, line) = line::start(memory, pins.line, &clocks);
 
@@ -102,7 +103,7 @@ mod app {
     }
 
     /// Counts a round of the line's ring. Above the tick: two rounds must not become one while a tick lasts.
-    #[cfg(not(usb))]
+    #[cfg(not(any(usb, autonomous)))]
     #[task(binds = LINE, priority = 3)]
     fn round(_: round::Context) {
         crate::line::count_round();

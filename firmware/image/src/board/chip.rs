@@ -147,9 +147,11 @@ impl Chip {
         })
     }
 
-    /// The reason for which no function may have the pin, if there is one.
-    pub(super) fn withheld(&self, name: &str) -> Option<&'static str> {
-        let found = self.withheld.iter().find(|(pin, _)| *pin == name);
+    /// The reason for which no function, or no output, may have the pin, if there is one.
+    pub(super) fn withheld(&self, name: &str, is_output: bool) -> Option<&'static str> {
+        let is_withheld = |reason: &str| is_output || reason != stm32f405::BACKUP;
+        let mut withheld = self.withheld.iter();
+        let found = withheld.find(|(pin, reason)| *pin == name && is_withheld(reason));
         found.map(|(_, reason)| *reason)
     }
 
@@ -163,7 +165,7 @@ impl Chip {
     pub(super) fn usable(&self, list: &[&str]) -> String {
         let usable = list
             .iter()
-            .filter(|pin| self.pin(pin).is_some() && self.withheld(pin).is_none());
+            .filter(|pin| self.pin(pin).is_some() && self.withheld(pin, true).is_none());
         let usable: Vec<&str> = usable.copied().collect();
         usable.join(", ")
     }

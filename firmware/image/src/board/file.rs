@@ -420,7 +420,7 @@ fn check_pin(
     port: Option<&SerialPort>,
 ) -> Result<(&'static str, u8), String> {
     let place = chip.pin(name).ok_or_else(|| no_pin(chip))?;
-    if let Some(reason) = chip.withheld(name) {
+    if let Some(reason) = chip.withheld(name, entry.is_output) {
         return Err(format!("cannot be used: {name} {reason}"));
     }
     if inverted && !entry.inverts {
@@ -455,7 +455,7 @@ fn refuse_twice(root: &Section, named: &[Named], taken: &[(String, String)]) {
                 && [earlier.table, later.table]
                     .iter()
                     .all(|table| ALTERNATIVES.contains(table));
-            earlier.pin.name == *name && !apart
+            earlier.pin.name == *name && !apart && !earlier.role.is_apart(later.role)
         };
         if let Some(earlier) = named.iter().take(index).find(is_other) {
             let reason = format!(

@@ -36,8 +36,12 @@ pub struct Needs {
     pub probe: bool,
     /// Limit switches with pins of their own.
     pub limits: bool,
-    /// Any input, also limit switches that are those of homing.
+    /// Button of a board without a host.
+    pub button: bool,
+    /// Any contact, also limit switches that are those of homing.
     pub interlocks: bool,
+    /// The board plays its job without a host.
+    pub autonomous: bool,
     /// Slots of its steppers, Hz, and its ticks, Hz.
     pub slots: Option<(u32, f64)>,
     /// The line is USB, whatever the port of the board file: the build asks for it, and no scene.
@@ -77,7 +81,9 @@ impl Needs {
             door: scene.inputs.interlocks.door.is_some(),
             probe: scene.inputs.interlocks.probe.is_some(),
             limits: scene.inputs.has_limit_pins(),
-            interlocks: scene.inputs.are_named(),
+            button: scene.inputs.button.is_some(),
+            interlocks: scene.inputs.have_contacts(),
+            autonomous: scene.service.autonomous.is_some(),
             slots: slots.map(|slots| (slots, scene.tick_rate_hz)),
             usb_line: false,
         })
@@ -109,7 +115,7 @@ impl Needs {
         metadata
     }
 
-    fn flags(&self) -> [(&'static str, bool); 9] {
+    fn flags(&self) -> [(&'static str, bool); 11] {
         [
             ("tool_enable", self.tool_enable),
             ("homing", self.homing),
@@ -119,7 +125,9 @@ impl Needs {
             ("door", self.door),
             ("probe", self.probe),
             ("limits", self.limits),
+            ("button", self.button),
             ("interlocks", self.interlocks),
+            ("autonomous", self.autonomous),
         ]
     }
 
@@ -156,7 +164,9 @@ impl Needs {
             door: has("door"),
             probe: has("probe"),
             limits: has("limits"),
+            button: has("button"),
             interlocks: has("interlocks"),
+            autonomous: has("autonomous"),
             slots,
             usb_line: false,
         })
@@ -213,6 +223,7 @@ impl Needs {
                 Role::Limits,
                 "limit switches with pins of their own",
             ),
+            (self.button, Role::Button, "a button"),
             (self.homing, Role::Homing, "homing"),
             (self.brake, Role::Brake, "a brake"),
             (self.lamp, Role::Lamp, "a status lamp"),

@@ -43,6 +43,8 @@ pub enum Role {
     Probe,
     /// Limit switches of the three motors.
     Limits,
+    /// Button of a board without a host.
+    Button,
     /// Switches of homing.
     Homing,
     /// Brake, released.
@@ -120,7 +122,7 @@ impl RoleEntry {
 }
 
 /// All roles, in the order of a board file.
-pub(super) const ROLES: [RoleEntry; 24] = [
+pub(super) const ROLES: [RoleEntry; 25] = [
     RoleEntry::new(Role::LineTransmit, ("line", "transmit"), 1)
         .text("the line, transmitter", "RX of the host's adapter")
         .output()
@@ -194,6 +196,10 @@ pub(super) const ROLES: [RoleEntry; 24] = [
         "[limit switch](#inputs) of motor 1, 2, 3, pulled up",
         "contact to ground",
     ),
+    RoleEntry::new(Role::Button, ("inputs", "button"), 1).text(
+        "[button](#autonomous) of a board without a host, pulled up",
+        "normally open contact to ground",
+    ),
     RoleEntry::new(Role::Homing, ("inputs", "homing"), 3).text(
         "homing: input of motor 1, 2, 3, pulled up",
         "switch to ground, or a drive's stall output",
@@ -226,6 +232,15 @@ pub(super) const ROLES: [RoleEntry; 24] = [
 ];
 
 impl Role {
+    /// Returns true if no image has both functions: a pin may have either.
+    pub(super) fn is_apart(self, other: Self) -> bool {
+        let needs_host = |role: Self| {
+            let is_one = matches!(role, Self::Probe | Self::Outputs | Self::Inputs);
+            is_one || matches!(role.entry().table, "line" | "can" | "amplifier")
+        };
+        (self == Self::Button && needs_host(other)) || (other == Self::Button && needs_host(self))
+    }
+
     /// Path of the key in a board file: `stepper.step`.
     pub(super) fn path(self) -> String {
         let entry = self.entry();

@@ -35,8 +35,11 @@ fn modules(needs: &Needs) -> String {
     )
 }
 
-/// Entry of the vector table for the task of the line: that of its port, or of USB.
-fn line_entry(board: &BoardFile, interrupt: &str) -> String {
+/// Entry of the vector table for the task of the line: that of its port, or of USB; none without a host.
+fn line_entry(board: &BoardFile, needs: &Needs, interrupt: &str) -> String {
+    if needs.autonomous {
+        return String::new();
+    }
     match board.line {
         Some(_) => format!("trirrr_boards::entry!({interrupt}, LINE);\n"),
         None => format!(
@@ -47,7 +50,7 @@ fn line_entry(board: &BoardFile, interrupt: &str) -> String {
 }
 
 /// Fields of the struct `Pins` for a role, one for each of its pins.
-const FIELDS: [(Role, &[&str]); 24] = [
+const FIELDS: [(Role, &[&str]); 25] = [
     (Role::LineTransmit, &["line_transmit"]),
     (Role::LineReceive, &["line_receive"]),
     (Role::LogTransmit, &["log_transmit"]),
@@ -79,6 +82,7 @@ const FIELDS: [(Role, &[&str]); 24] = [
     (Role::Door, &["door"]),
     (Role::Probe, &["probe"]),
     (Role::Limits, &["limit_1", "limit_2", "limit_3"]),
+    (Role::Button, &["button"]),
     (Role::Homing, &["homing_1", "homing_2", "homing_3"]),
     (Role::Brake, &["brake"]),
     (Role::Lamp, &["lamp"]),
@@ -162,7 +166,7 @@ impl PinGroup {
             Role::LineTransmit | Role::LineReceive => Self::Line,
             Role::Tool | Role::ToolEnable => Self::Tool,
             Role::Homing => Self::Homing,
-            Role::Stop | Role::Door | Role::Probe | Role::Limits => Self::Contacts,
+            Role::Stop | Role::Door | Role::Probe | Role::Limits | Role::Button => Self::Contacts,
             Role::Inputs => Self::SpareInputs,
             Role::Brake => Self::Brake,
             Role::Lamp => Self::Lamp,
@@ -182,7 +186,7 @@ fn fields<'b>(board: &'b BoardFile, needs: &Needs) -> Vec<PinField<'b>> {
     };
     // The inputs, and tool and its enable line, are one type of the firmware each.
     let is_beside = |role| match role {
-        Role::Stop | Role::Door | Role::Probe | Role::Limits => needs.interlocks,
+        Role::Stop | Role::Door | Role::Probe | Role::Limits | Role::Button => needs.interlocks,
         Role::ToolEnable => needs.has_tool(),
         _ => false,
     };

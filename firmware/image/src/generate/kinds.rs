@@ -5,6 +5,7 @@ use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::{BuildError, Parameters};
 use trirrr_core::model::{Model, ModelKind, ModelVisitor};
 use trirrr_core::number::Number;
+use trirrr_core::tick::Tick;
 use trirrr_service::admission::Enclose;
 use trirrr_service::{Coefficients, Ramp};
 
@@ -26,6 +27,20 @@ impl<N: Number> ModelVisitor<N> for ModelPath {
 
     fn visit<M: Model<N = N>>(self) -> String {
         path::<M>()
+    }
+}
+
+/// The coefficients of the tick alone, as Rust source.
+pub(super) struct TickOf<'a>(pub(super) Machine<'a>);
+
+impl<N: Number> ModelVisitor<N> for TickOf<'_> {
+    type Output = Result<String, BuildError>;
+
+    fn visit<M: Model<N = N>>(self) -> Self::Output {
+        let Self(Machine {
+            kind, parameters, ..
+        }) = self;
+        Ok(constant(&Tick::<M>::build(kind.with(parameters))?))
     }
 }
 

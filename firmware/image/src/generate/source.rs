@@ -2,7 +2,7 @@
 
 use super::constant::constant;
 use super::kinds::{Machine, ModelPath};
-use super::{COARSE, FIXED, over_line};
+use super::{COARSE, FIXED, autonomous, over_line};
 use nalgebra::Vector3;
 use std::error::Error;
 use std::fmt::Write;
@@ -102,6 +102,10 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
         file.constant("TYPES", types_type, constant(&types));
     }
 
+    if let Some(own) = &scene.service.autonomous {
+        autonomous::write::<N>(&mut file, scene, own, machine)?;
+    }
+
     if let Some(homing) = &scene.homing {
         let parameters = homing.parameters(scene, &units)?;
         let coefficients = HomingCoefficients::<N>::build(&parameters, period);
@@ -196,6 +200,7 @@ fn features(file: &mut File, scene: &Scene, scalar: &str) {
         // Pins of the interlocks.
         ("StopPin", interlocks.emergency_stop.is_some(), None),
         ("DoorPin", interlocks.door.is_some(), None),
+        ("ButtonPin", scene.inputs.button.is_some(), None),
         ("LimitPins", scene.inputs.has_limit_pins(), None),
         ("LimitsAtHoming", scene.inputs.limits_share_homing, None),
     ] {
@@ -254,7 +259,7 @@ fn parts(scene: &Scene) -> Result<String, Box<dyn Error>> {
 }
 
 /// The text so far.
-struct File(String);
+pub(super) struct File(String);
 
 impl File {
     fn line(&mut self, line: &str) {
@@ -269,12 +274,12 @@ impl File {
     }
 
     /// A value that is copied where it is used,
-    fn constant(&mut self, name: &str, of: &str, value: String) {
+    pub(super) fn constant(&mut self, name: &str, of: &str, value: String) {
         self.item("const", name, of, &value);
     }
 
     /// and one that has a place, in flash.
-    fn global(&mut self, name: &str, of: &str, value: String) {
+    pub(super) fn global(&mut self, name: &str, of: &str, value: String) {
         self.item("static", name, of, &value);
     }
 }

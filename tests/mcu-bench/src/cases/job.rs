@@ -3,7 +3,6 @@
 use super::{Row, Subject, fact, slots, time};
 use crate::chip::{SYS_TICK, TIM7};
 use crate::cpu::{Board, CYCLES_PER_INSTRUCTION};
-use crate::host::Host;
 use crate::time::{MS, SECOND, Time, seconds};
 use crate::trace::Level;
 use crate::wiring::{self, DIRECTIONS, ENABLE, SIGNALS, STEPS};
@@ -37,7 +36,7 @@ pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
         board.trace().write_vcd(&SIGNALS, &mut to)?;
         to.flush()?;
     }
-    let played = Played::of(subject, &board, &host)?;
+    let played = Played::of(subject, &board, &host.samples)?;
     let lost = board.chip().line().lost;
     // A slice of admission may outlast a tick, and the line is nearly full.
     let most_missing = played.ticks.len() / 500;
@@ -69,6 +68,18 @@ pub(super) fn run(subject: &Subject) -> Result<Vec<Row>> {
         bound: format!("≤ {}", time(BLOCK_MAX)),
         holds: block <= BLOCK_MAX,
     });
+    Ok(rows)
+}
+
+/// Rows of the pins along a job without a host, whose ticks play `samples`.
+pub(super) fn without_host(
+    subject: &Subject,
+    board: &Board,
+    samples: &[Telemetry<f32>],
+) -> Result<Vec<Row>> {
+    let played = Played::of(subject, board, samples)?;
+    let mut rows = steps(subject, board, &played)?;
+    rows.extend(tool(subject, board, &played)?);
     Ok(rows)
 }
 
@@ -112,7 +123,7 @@ fn between(before: &Telemetry<f32>, after: &Telemetry<f32>, tick: u32) -> Teleme
 }
 
 impl Played {
-    fn of(subject: &Subject, board: &Board, host: &Host) -> Result<Self> {
+    fn of(subject: &Subject, board: &Board, samples: &[Telemetry<f32>]) -> Result<Self> {
         let of = |exception: u16| {
             let handled = board.handled.iter();
             handled.filter(move |handled| handled.exception == exception)
@@ -122,7 +133,7 @@ impl Played {
         let first_step = edges.into_iter().flatten().min().unwrap_or(Time::MAX);
         let mut ticks: Vec<PlayedTick> = Vec::new();
         let mut missing = 0;
-        for sample in &host.samples {
+        for sample in samples {
             let index = sample.tick.wrapping_sub(FIRST_TICK) as usize;
             let handler = handlers.get(index);
             let handler = handler.context("a sample of a tick that did not run")?;
@@ -153,8 +164,7 @@ impl Played {
             });
         }
         ensure!(ticks.len() > 100, "{} samples of a job", ticks.len());
-        let origin = host
-            .samples
+        let origin = samples
             .first()
             .map(|sample| sample.angles)
             .context("a sample")?;

@@ -1,5 +1,6 @@
 //! Cases of the bench: each runs the image on a board of its own and gives rows of figures with their bounds.
 
+mod alone;
 mod amplifiers;
 mod can;
 mod failures;
@@ -75,6 +76,8 @@ pub(crate) enum Needs {
     Usb,
     /// Spare outputs, on a machine of steppers.
     SpareOutputs,
+    /// Steppers, and no host.
+    NoHost,
 }
 
 /// Case of the bench.
@@ -91,7 +94,7 @@ impl Case {
 }
 
 /// All cases.
-pub(crate) const CASES: [Case; 32] = [
+pub(crate) const CASES: [Case; 37] = [
     Case::of("power-up", Needs::Any, power_up::rest),
     Case::of("crystal", Needs::Any, power_up::crystal),
     Case::of("job", Needs::Steppers, job::run),
@@ -124,6 +127,11 @@ pub(crate) const CASES: [Case; 32] = [
     Case::of("reader", Needs::Usb, usb::reader),
     Case::of("transfer", Needs::Usb, usb::transfer),
     Case::of("outputs", Needs::SpareOutputs, outputs::run),
+    Case::of("alone", Needs::NoHost, alone::job),
+    Case::of("alone-button", Needs::NoHost, alone::button),
+    Case::of("alone-stop", Needs::NoHost, alone::stop),
+    Case::of("alone-door", Needs::NoHost, alone::door),
+    Case::of("alone-panic", Needs::NoHost, alone::panic),
 ];
 
 impl Subject {
@@ -174,7 +182,11 @@ impl Subject {
     /// Returns true if the scene has the drives that a case looks at.
     pub(crate) fn has(&self, needs: Needs) -> bool {
         let kind = self.scene.drives.as_ref().map(|[first, ..]| &first.kind);
+        let has_host = self.scene.service.autonomous.is_none();
         match needs {
+            // The other cases talk to the machine.
+            Needs::NoHost => !has_host && matches!(kind, Some(DriveKind::Stepper(_))),
+            _ if !has_host => false,
             Needs::Any => true,
             Needs::Update => self.update.is_some(),
             Needs::SpareOutputs => {

@@ -40,15 +40,15 @@ impl Outputs for CheckedSteppers {
         if output.is_on() && !self.runs {
             return Err(too_slow());
         }
-        self.steppers.apply(output)
+        Outputs::apply(&mut self.steppers, output)
     }
 
     fn angles(&self) -> Option<[Angle; 3]> {
-        Some(self.steppers.angles())
+        Outputs::angles(&self.steppers)
     }
 
     fn shift(&mut self, by: [Angle; 3]) {
-        self.steppers.shift(by);
+        Outputs::shift(&mut self.steppers, by);
     }
 }
 
@@ -112,6 +112,8 @@ pub(crate) fn build(parts: DriveParts) -> (CheckedSteppers, SlotTimer) {
     if runs {
         timer.start(clocks.timers, SLOT_HZ);
     } else {
+        // Without a host there is no log.
+        #[cfg(not(autonomous))]
         defmt::error!(
             "{=u32} slots per second are too many for {=u32} Hz",
             SLOT_HZ,

@@ -3,7 +3,7 @@
 #[cfg(bus)]
 pub(crate) mod bus;
 pub(crate) mod clock;
-#[cfg(not(usb))]
+#[cfg(not(any(usb, autonomous)))]
 pub(crate) mod dma;
 #[cfg(outputs)]
 mod protection;
@@ -78,11 +78,13 @@ pub(crate) fn is_emulated() -> bool {
 }
 
 /// Status of a serial port,
+#[cfg_attr(autonomous, expect(dead_code, reason = "no port"))]
 pub(crate) fn status(port: Usart) -> Reg<Sr, RW> {
     port.sr()
 }
 
 /// and data for its transmitter.
+#[cfg_attr(autonomous, expect(dead_code, reason = "no port"))]
 pub(crate) fn sent(port: Usart) -> Reg<Dr, RW> {
     port.dr()
 }

@@ -3,7 +3,7 @@
 #[cfg(bus)]
 pub(crate) mod bus;
 pub(crate) mod clock;
-#[cfg(not(usb))]
+#[cfg(not(any(usb, autonomous)))]
 pub(crate) mod dma;
 #[cfg(any(outputs, update))]
 mod protection;
@@ -64,11 +64,13 @@ pub(crate) const fn is_emulated() -> bool {
 }
 
 /// Status of a serial port,
+#[cfg_attr(autonomous, expect(dead_code, reason = "no port"))]
 pub(crate) fn status(port: Usart) -> Reg<Isr, R> {
     port.isr()
 }
 
 /// and data for its transmitter.
+#[cfg_attr(autonomous, expect(dead_code, reason = "no port"))]
 pub(crate) fn sent(port: Usart) -> Reg<Dr, W> {
     port.tdr()
 }

@@ -27,7 +27,7 @@ pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
         // Whole, as the clock asks for.
         board.crystal_mhz as u8,
     );
-    text += &line_entry(board, &format!("{port}_IRQ"));
+    text += &line_entry(board, needs, &format!("{port}_IRQ"));
     text += &match line {
         Some(line) => format!("pub(crate) type LinePort = rp2040_hal::pac::{line};\n"),
         None => "pub(crate) type LinePort = crate::pins::UsbPort;\n".into(),

@@ -86,7 +86,7 @@ pub(super) fn source(board: &BoardFile, needs: &Needs) -> String {
          line_interrupt!({}, {});\n",
         board.pll.divider, board.pll.factor, interrupt, board.chip.usb.interrupt,
     );
-    text += &line_entry(board, &interrupt);
+    text += &line_entry(board, needs, &interrupt);
     // The interrupt of the slots has another name there.
     if board.chip.family == Family::Stm32g474 && needs.drive == "stepper" {
         text += "trirrr_boards::entry!(TIM7_DAC, TIM7);\n";
