@@ -14,6 +14,7 @@ use trirrr_scene::{JobLevels, JobOutputs};
 
 /// Shortest part of a move, s, in a number type whose roundings show in its acceleration, and the rounding below which they do not.
 const SHORTEST_PART_S: f64 = 0.005;
+const SHORTEST_PART_TICKS: u32 = 5;
 const EXACT: f64 = 1e-12;
 
 /// Moves that play a job from a place on.
@@ -205,7 +206,7 @@ fn segment<N: Number>(each: &AnyMove<N>, period: N::Factor) -> Segment<N, Quinti
 }
 
 /// Tick at which the rest of a job parts a move, about `at`. With the tool off it begins with the move. Poses are rounded: the acceleration in
-/// a part of few ticks would be off by more than the job leaves of its limits, so that no part is shorter than that.
+/// a part of few ticks would be off by more than the job leaves of its limits, so that no part is shorter than that: it begins earlier then.
 fn parting<N: Number>(cut: &AnyMove<N>, at: u32, period: N::Factor) -> u32 {
     let common = cut.common();
     let ticks = common.ticks;
@@ -216,9 +217,17 @@ fn parting<N: Number>(cut: &AnyMove<N>, at: u32, period: N::Factor) -> u32 {
         return at;
     }
     let least = (SHORTEST_PART_S / N::factor_to_f64(period)).ceil() as u32;
-    let inner = (2 * least <= ticks).then(|| at.clamp(least, ticks - least));
-    let places = [Some(0), inner, Some(ticks)].into_iter().flatten();
-    places.min_by_key(|place| place.abs_diff(at)).unwrap_or(at)
+    // In fixed point, which has no small numbers, the unit of time is that of the machine.
+    let least = match N::from_f64(EXACT) == N::ZERO {
+        true => least.max(SHORTEST_PART_TICKS),
+        false => least,
+    };
+    // A few ticks are played twice rather than none.
+    if at >= ticks {
+        return at;
+    }
+    let latest = at.min(ticks.saturating_sub(least));
+    if latest < least { 0 } else { latest }
 }
 
 /// The two parts of a move, before and behind its tick `at`: a part of a polynomial is one of the same degree.

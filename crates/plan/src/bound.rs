@@ -238,8 +238,8 @@ impl<B: Arithmetic> PowerSides<B> {
             if lowest >= least {
                 return Some(curve);
             }
-            // The next curve lies above this one, and so above its least value.
-            least = lowest;
+            // The next curve lies above this one, and so above its least value; its bulge may be greater.
+            least = lowest - B::HALF * B::HALF * curve.bulge;
         }
         None
     }

@@ -15,6 +15,8 @@ const SHARPEST: f64 = -0.98;
 const SLIGHT: f64 = 0.45;
 /// Shortest length that is cut off, m: less is the rounding of a place at which D stands.
 const CUT_MIN_M: f64 = 1e-9;
+/// Most of the length that a curve is to replace of a curved piece: its parameter is not the length.
+const FASTER: f64 = 1.5;
 /// Samples of a piece among which the nearest place is looked for.
 const SAMPLES: u32 = 32;
 /// Part of the tolerance that a curve may use where it is looked at.
@@ -164,8 +166,10 @@ fn curve(
         false => (1.0, 0.25 * half_sine),
         true => (2.0 / 3.0, 0.5 * half_sine),
     };
+    // Behind the end of a curved piece its parameter may go faster.
+    let faster = if straight { 1.0 } else { FASTER };
     let mut length = (tolerance_m / deviating)
-        .min(longest_m)
+        .min(longest_m / faster)
         .min(CUT_MAX * speed_a)
         .min(CUT_MAX * speed_b);
     if !(length > CUT_MIN_M) {
@@ -187,7 +191,15 @@ fn curve(
             after,
             cut,
         };
-        if straight || rounding.stays(SAMPLED * tolerance_m) {
+        let [corner, behind] = [before.at(1.0).pose, after.at(0.0).pose];
+        let chords = [
+            from.pose.displacement(&corner),
+            behind.displacement(&to.pose),
+        ];
+        let is_near = chords
+            .into_iter()
+            .all(|chord| speed(chord) <= faster * length);
+        if straight || is_near && rounding.stays(SAMPLED * tolerance_m) {
             return Some(Curve { piece, cut });
         }
         length *= 0.8;

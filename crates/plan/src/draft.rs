@@ -78,7 +78,7 @@ pub(crate) struct Draft<'a> {
     /// Ticks of the shortest move.
     shortest: f64,
     /// Ticks that the moves so far are longer in sum than the least length that most of them have to have.
-    spare: f64,
+    pub(crate) spare: f64,
     /// Ticks of the shortest move that could take the place of each move.
     least: Vec<f64>,
     /// Ticks between changes of the tool's setting at least.
@@ -97,6 +97,7 @@ impl<'a> Draft<'a> {
         [lever_m, least_s]: [f64; 2],
         sampling: Sampling,
         fine: &[Fine],
+        spare: f64,
     ) -> Self {
         let shortest = sampling.shortest(least_s);
         let law = Law::new(run, pieces, shortest * sampling.period_s, sampling.period_s);
@@ -105,7 +106,7 @@ impl<'a> Draft<'a> {
             moves: Vec::new(),
             knots: vec![0.0],
             shortest,
-            spare: SPARE * f64::from(sampling.ticks_min),
+            spare,
             least: Vec::new(),
             least_change: change_ticks(run, pieces, &sampling)
                 .max((least_s / sampling.period_s).ceil()),
@@ -234,13 +235,19 @@ impl<'a> Draft<'a> {
                 .fold(longest, f64::min);
             let [mut from, to] = nearest(most.max(self.shortest));
             let last = blends.last().map_or(0.0, |last| last[1]);
+            let before = changes.iter().copied().filter(|change| *change <= from);
+            let last = before.fold(last, f64::max);
+            let behind = changes.iter().copied().filter(|change| *change >= to);
+            let behind = behind.fold(end, f64::min);
             let least = self.shortest.max(f64::from(self.sampling.ticks_min));
             // No short move between two.
             if from - last < least {
                 from = last;
             }
+            let is_alone = behind == to || behind - to >= least;
+            let is_asked = most == longest || to - from <= most.max(least);
             let is_cut = changes.iter().any(|change| from < *change && *change < to);
-            if to - from >= least && to < end && !is_cut {
+            if to - from >= least && to < end && is_alone && is_asked && !is_cut {
                 blends.push([from, to]);
             }
         }
@@ -256,7 +263,8 @@ impl<'a> Draft<'a> {
         fine: &[(f64, f64)],
     ) -> (f64, Setpoint<f64>) {
         let (left, shortest) = (until - from, self.shortest_at(from));
-        let mut ticks = (LONGEST_S / self.sampling.period_s).floor().min(left);
+        let longest = (LONGEST_S / self.sampling.period_s).floor();
+        let mut ticks = longest.max(shortest).min(left);
         loop {
             // What is left behind it is a move, too.
             if left - ticks < shortest && left > ticks {
@@ -411,6 +419,11 @@ impl<'a> Draft<'a> {
     pub(crate) fn span_between(&self, knots: [f64; 2]) -> [PathPlace; 2] {
         self.law.span(knots)
     }
+}
+
+/// Ticks that moves are longer in sum than the least length, at the start of a path.
+pub(crate) fn spare_at_start(sampling: &Sampling) -> f64 {
+    SPARE * f64::from(sampling.ticks_min)
 }
 
 /// Shortest move of `run`, s, for which the rounding of its ends is little beside the accelerations, the feeds and the jerk

@@ -8,9 +8,10 @@ pub use crate::planned::{PlannedMove, Sampling};
 
 use crate::cell::{Obstacle, Planner};
 use crate::course::{Effort, Plan, plan};
-use crate::draft::{Draft, Fine, leave_room, shortest_s};
+use crate::draft::{Draft, Fine, leave_room, shortest_s, spare_at_start};
 use crate::even;
 use crate::grid::{Easing, Grid, easings};
+use crate::jerk::JerkLimits;
 use crate::path::{PathPiece, PathPlace, PathRefusal};
 use crate::run::Run;
 use trirrr_core::model::Model;
@@ -65,9 +66,11 @@ pub fn plan_moves<M: Model<N = f64>>(
 ) -> Result<PlannedMoves, PathRefusal> {
     let mut plan = plan(planner, pieces, effort)?;
     let mut moves: Vec<PlannedMove> = Vec::new();
+    let mut spare = spare_at_start(&sampling);
     for run in &mut plan.runs {
         let start = moves.len();
-        moves.extend(moves_of(planner, run, pieces, sampling, &mut judge)?);
+        let of_run = moves_of(planner, run, pieces, sampling, &mut spare, &mut judge)?;
+        moves.extend(of_run);
         // Pieces meet but for rounding; moves do exactly.
         if start > 0 {
             moves[start].ends.from = moves[start - 1].ends.to;
@@ -81,6 +84,7 @@ fn moves_of<M: Model<N = f64>>(
     run: &mut Run,
     pieces: &[PathPiece],
     sampling: Sampling,
+    spare: &mut f64,
     judge: &mut impl FnMut(&[PlannedMove]) -> Vec<Judged>,
 ) -> Result<Vec<PlannedMove>, PathRefusal> {
     if planner.jerk().is_some() {
@@ -101,12 +105,18 @@ fn moves_of<M: Model<N = f64>>(
     );
     if !easings.is_empty() {
         let cuts = cuts_of(&easings, run);
+        let mean_s = run.mean_s();
         split(planner, pieces, run, &mut strikes, &easings, cuts)?;
+        if planner.jerk().is_some() {
+            let step_s = f64::from(sampling.ticks_min) * sampling.period_s;
+            let (cells, places) = (&run.cells, &run.places);
+            run.jerk = JerkLimits::of(planner, pieces, cells, places, [mean_s, step_s]);
+        }
     }
     leave_room(run, pieces, &sampling);
     run.replan();
     for round in 0..ROUNDS {
-        let draft = Draft::new(run, pieces, [lever_m, least_s], sampling, &fine);
+        let draft = Draft::new(run, pieces, [lever_m, least_s], sampling, &fine, *spare);
         let mut mended = false;
         let mut slower: Vec<([PathPlace; 2], f64)> = Vec::new();
         for index in 0..draft.moves.len() {
@@ -143,6 +153,7 @@ fn moves_of<M: Model<N = f64>>(
             }
         }
         if !mended {
+            *spare = draft.spare;
             return Ok(draft.moves);
         }
         drop(draft);
@@ -229,7 +240,11 @@ fn split<M: Model<N = f64>>(
     let whole = run.clone();
     let grid = Grid::split(planner, pieces, whole.clone(), &cuts, easings)?;
     *run = grid.plan(whole.pieces.clone()).0;
-    run.least_s = run.least_s.max(whole.least_s);
+    // An easing has the feed of another piece: what it bounds is no bound of the path.
+    run.least_s = match easings.is_empty() {
+        true => run.least_s.max(whole.least_s),
+        false => whole.least_s,
+    };
     let of_whole = |place: &PathPlace| strikes[whole.cells_between([*place; 2]).start];
     *strikes = run.places[..run.cells.len()].iter().map(of_whole).collect();
     Ok(())

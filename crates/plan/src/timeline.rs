@@ -11,8 +11,6 @@ use crate::run::Run;
 struct Mark {
     time: f64,
     distance: f64,
-    /// Integral of the distance by time, and that of the integral.
-    sums: [f64; 2],
     pace: f64,
     acceleration: f64,
     /// Distance for each unit of the piece's parameter.
@@ -20,14 +18,10 @@ struct Mark {
 }
 
 impl Mark {
-    /// Second and first integral of the distance, distance and pace, `t` after the mark.
-    fn after(&self, t: f64) -> [f64; 4] {
-        let [sum, twice] = self.sums;
+    /// Second and first integral of the distance, distance and pace, `t` after the mark, with this distance and these integrals at it.
+    fn after(&self, t: f64, distance: f64, [sum, twice]: [f64; 2]) -> [f64; 4] {
         let Self {
-            distance,
-            pace,
-            acceleration,
-            ..
+            pace, acceleration, ..
         } = *self;
         [
             twice + (sum + (distance / 2.0 + (pace / 6.0 + acceleration * t / 24.0) * t) * t) * t,
@@ -52,7 +46,7 @@ impl Timeline {
     /// `run`, as means over `window_s` or a little more, and its duration in ticks.
     pub(crate) fn of(run: &Run, window_s: f64, period_s: f64) -> (Self, u32) {
         let mut marks = Vec::with_capacity(run.places.len());
-        let (mut time, mut distance, mut sums, mut scale) = (0.0, 0.0, [0.0; 2], 1.0);
+        let (mut time, mut distance, mut scale) = (0.0, 0.0, 1.0);
         for (index, cell) in run.cells.iter().enumerate() {
             if index > 0 {
                 // The pace in s is continuous where the pace in p is not.
@@ -61,22 +55,17 @@ impl Timeline {
             let mark = Mark {
                 time,
                 distance,
-                sums,
                 pace: scale * run.squares[index].sqrt(),
                 acceleration: scale * run.acceleration(index),
                 scale,
             };
             marks.push(mark);
-            let duration = run.cell_duration_s(index);
-            let [twice, once, ..] = mark.after(duration);
-            sums = [once, twice];
-            time += duration;
+            time += run.cell_duration_s(index);
             distance += scale * cell.length;
         }
         marks.push(Mark {
             time,
             distance,
-            sums,
             pace: 0.0,
             acceleration: 0.0,
             scale,
@@ -101,12 +90,14 @@ impl Timeline {
         next.checked_sub(1)
     }
 
-    /// As [`Mark::after`], of the plan itself.
-    fn planned(&self, time: f64) -> [f64; 4] {
-        match self.mark_at(time) {
-            Some(index) => self.marks[index].after(time - self.marks[index].time),
-            None => [0.0; 4],
-        }
+    /// Distance and pace of the plan itself.
+    fn planned(&self, time: f64) -> [f64; 2] {
+        let Some(index) = self.mark_at(time) else {
+            return [0.0; 2];
+        };
+        let mark = &self.marks[index];
+        let [.., distance, pace] = mark.after(time - mark.time, mark.distance, [0.0; 2]);
+        [distance, pace]
     }
 
     /// Distance, pace and acceleration at `time`.
@@ -115,12 +106,39 @@ impl Timeline {
         if self.means == 1 {
             let from = self.planned(time - mean);
             let to = self.planned(time);
-            let distance = from[2] + self.way(time - mean, from[2], time) / mean;
-            return [distance, (to[2] - from[2]) / mean, (to[3] - from[3]) / mean];
+            let distance = from[0] + self.way(time - mean, from[0], time) / mean;
+            return [distance, (to[0] - from[0]) / mean, (to[1] - from[1]) / mean];
         }
-        let [now, before, first] = [0.0, 1.0, 2.0].map(|means| self.planned(time - means * mean));
-        [0, 1, 2]
-            .map(|each| ((now[each] - before[each]) - (before[each] - first[each])) / (mean * mean))
+        let first = self.mark_at(time - 2.0 * mean).unwrap_or(0);
+        let planned = |means: f64| self.planned_from(first, time - means * mean);
+        let [now, before, first_of_all] = [0.0, 1.0, 2.0].map(planned);
+        let change = |each: usize| {
+            let changes = [now[each] - before[each], before[each] - first_of_all[each]];
+            (changes[0] - changes[1]) / (mean * mean)
+        };
+        [self.marks[first].distance + change(0), change(1), change(2)]
+    }
+
+    /// As [`Mark::after`], with distance and integrals from mark `first` on: those of a whole run would lose the digits of their differences.
+    fn planned_from(&self, first: usize, time: f64) -> [f64; 4] {
+        if time <= self.marks[first].time {
+            return [0.0; 4];
+        }
+        let base = self.marks[first].distance;
+        let mut sums = [0.0; 2];
+        let mut index = first;
+        loop {
+            let mark = self.marks[index];
+            let (distance, began) = (mark.distance - base, mark.time);
+            let next = self.marks.get(index + 1).filter(|next| next.time <= time);
+            let until = next.map_or(time, |next| next.time);
+            let after = mark.after(until - began, distance, sums);
+            if next.is_none() {
+                return after;
+            }
+            sums = [after[1], after[0]];
+            index += 1;
+        }
     }
 
     /// Integral of the distance beyond `base` over the time from `from` to `to`.
@@ -198,7 +216,7 @@ impl Timeline {
 
     /// Distance of the plan itself.
     fn planned_distance(&self, time: f64) -> f64 {
-        self.planned(time)[2]
+        self.planned(time)[0]
     }
 
     /// Cells of the plan of which the motion between two times is a mean.

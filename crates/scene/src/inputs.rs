@@ -10,6 +10,10 @@ use trirrr_service::{
 /// Longest time for which a contact may bounce, s.
 const DEBOUNCE_MAX_S: f64 = 0.1;
 
+/// The same of a button where the scene gives none, and the least: a bounce is no second press, s.
+const BUTTON_S: f64 = 0.02;
+const BUTTON_MIN_S: f64 = 0.01;
+
 /// Debounce time where the scene gives none, s.
 const DEBOUNCE_S: f64 = 0.005;
 
@@ -157,7 +161,12 @@ fn read_door(section: &Section, rate: Option<f64>) -> Option<(Door, NormalContac
 
 /// Reads a button. One that closes begins nothing once its wire is broken.
 fn read_button(section: &Section, rate: Option<f64>) -> Option<ButtonInput> {
-    let debounce = read_contact_ticks(section, rate);
+    let bound = Bound::Within(BUTTON_MIN_S, DEBOUNCE_MAX_S);
+    let seconds = section.number_or("debounce_s", bound, BUTTON_S);
+    // A tick alone may be noise.
+    let debounce = seconds
+        .zip(rate)
+        .map(|(seconds, rate)| contact_ticks(seconds, rate).max(2));
     let normally = match section.has("normally") {
         true => read_normal_contact(section),
         false => Some(NormalContact::Open),
@@ -236,6 +245,10 @@ pub(crate) fn read_normal_contact(section: &Section) -> Option<NormalContact> {
 pub(crate) fn read_contact_ticks(section: &Section, rate: Option<f64>) -> Option<u16> {
     let bound = Bound::Within(0.0, DEBOUNCE_MAX_S);
     let seconds = section.number_or("debounce_s", bound, DEBOUNCE_S)?;
+    Some(contact_ticks(seconds, rate?))
+}
+
+fn contact_ticks(seconds: f64, rate: f64) -> u16 {
     // At most 10,000: 0.1 s at 100 kHz. A product just below a whole number is that number.
-    Some((seconds * rate? + 1e-6).floor().max(1.0) as u16)
+    (seconds * rate + 1e-6).floor().max(1.0) as u16
 }

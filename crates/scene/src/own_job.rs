@@ -27,6 +27,15 @@ pub(crate) fn check_tables(root: &Section, scene: &Scene) {
                       or start = \"power\" for a job that begins when the board is switched on";
         refuse_table(root, "service", reason);
     }
+    if scene.drives.is_some() && scene.inputs.interlocks.emergency_stop.is_none() {
+        let reason = "lets a board play its job by itself, and nothing would stop its drives: add [inputs.estop]";
+        refuse_table(root, "service", reason);
+    }
+    if scene.drives.is_some() && scene.homing.is_none() && autonomous.begins == JobStart::Power {
+        let reason = "begins whenever the supply returns, and the machine may stand anywhere then: \
+                      add [homing], or start = \"button\"";
+        refuse_table(root, "service", reason);
+    }
     if scene
         .drives
         .as_ref()

@@ -19,8 +19,9 @@ impl Scene {
         if let Some(spool) = &self.job.spool {
             return spool.longest_stop();
         }
-        let moves = StopMoves::judged(self, self.job.moves.clone(), true)?;
-        Some(moves.stops(self, usize::MAX, true).longest)
+        let pass = StopMoves::judged(self, self.job.moves.clone(), true)?;
+        let passes = self.service.autonomous.map_or(1, |own| own.passes);
+        Some(pass.in_passes(self, passes).longest)
     }
 }
 
@@ -110,6 +111,21 @@ impl StopMoves {
             false
         });
         found
+    }
+
+    /// Looks at all stops of a job that is played so many times without a stop between: a late one goes on into the next pass.
+    fn in_passes(&self, scene: &Scene, passes: u32) -> FoundStops {
+        let each = self.moves.len();
+        let mut joined = self.clone();
+        for pass in 1..passes {
+            joined.append(self, 0..each);
+            // Those of two passes, with as many behind them as they need. All later ones are as those of the second.
+            let found = joined.stops(scene, 2 * each, false);
+            if pass > 1 && found.open >= 2 * each {
+                return found;
+            }
+        }
+        joined.stops(scene, usize::MAX, true)
     }
 
     /// Adds `others` to the end.

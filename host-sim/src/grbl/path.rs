@@ -10,10 +10,13 @@ use trirrr_scene::Tool;
 use trirrr_toolpath::{Act, Element, ToolPlace};
 
 /// Pieces that wait for the machine, beyond which no motion is taken. The machine holds as many again.
-const MOST: usize = 32;
+const MOST: usize = MOTIONS * PER_MOTION;
 
-/// Motions for which there is room where none waits. A corner may add a piece to each.
-pub(super) const MOTIONS: usize = MOST / 2;
+/// Motions for which there is room where none waits.
+pub(super) const MOTIONS: usize = 16;
+
+/// Pieces of a motion at most: its own, and those of a corner, of which each half may have a tool of its own.
+const PER_MOTION: usize = 3;
 
 /// Piece that the machine is to get.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +55,7 @@ impl PathFeed {
 
     /// Motions that are taken now.
     pub(super) fn room(&self) -> usize {
-        MOST.saturating_sub(self.ready.len()) / 2
+        MOST.saturating_sub(self.ready.len()) / PER_MOTION
     }
 
     pub(super) fn is_empty(&self) -> bool {
@@ -133,18 +136,15 @@ impl PathFeed {
             false => vec![held, next],
         };
         let last = pieces.pop();
+        // A half of a corner has the tool of its side.
+        let tool_of = |piece: &PathPiece| match piece.setting == next.setting {
+            true => tool,
+            false => before,
+        };
         for each in &pieces {
-            // A corner has the tool of the piece before.
-            self.ready(each, before, false);
+            self.ready(each, tool_of(each), false);
         }
-        self.held = last.map(|last| {
-            let tool = if last.setting == next.setting {
-                tool
-            } else {
-                before
-            };
-            (last, tool)
-        });
+        self.held = last.map(|last| (last, tool_of(&last)));
     }
 
     fn ready(&mut self, each: &PathPiece, tool: Option<Tool>, last: bool) {
@@ -154,5 +154,56 @@ impl PathFeed {
             tool,
             last,
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use trirrr_toolpath::{ToolCurve, ToolMotion, ToolWork};
+
+    const CORNER_M: f64 = 1e-5;
+
+    /// A travel, a stroke and a travel, with a slight turn and a right angle between: the tool is on along the stroke, to within the tolerance.
+    #[test]
+    fn the_tool_changes_at_the_corners_of_a_stroke() {
+        let place = |x: f64, y: f64| ToolPlace {
+            position_m: [x, y],
+            alpha_rad: 0.4,
+        };
+        let mut feed = PathFeed::new(pose_of(&place(0.25, 0.245)), CORNER_M);
+        let work = ToolWork {
+            power: 0.5,
+            follows_speed: false,
+        };
+        let lines = [
+            (place(0.27, 0.245), None),
+            (place(0.29, 0.2452), Some(work)),
+            (place(0.29, 0.255), None),
+        ];
+        for (line, (end, tool)) in (1..).zip(lines) {
+            feed.push(&Element {
+                line,
+                tool,
+                act: Act::Motion(ToolMotion {
+                    curve: ToolCurve::Line,
+                    to: end,
+                    feed_m_s: Some(0.1),
+                    stops: false,
+                }),
+            });
+        }
+        feed.flush();
+        let pieces: Vec<QueuedPiece> = feed.ready.into();
+        let changes = pieces
+            .windows(2)
+            .filter(|pair| pair[0].tool != pair[1].tool);
+        let places: Vec<Pose<f64>> = changes.map(|pair| pair[0].piece.end()).collect();
+        let corners = [[0.27, 0.245], [0.29, 0.2452]];
+        assert_eq!(places.len(), corners.len());
+        for (place, [x, y]) in places.iter().zip(corners) {
+            let off = (place.position.x - x).hypot(place.position.y - y);
+            assert!(off > 0.0 && off <= CORNER_M, "{off}");
+        }
     }
 }

@@ -76,8 +76,11 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
     };
     let (out, then) = (args.out.as_deref(), &args.then);
     let mut jobs = job_file::load_queue(&args.scene, then, &args.job, moves, out, "")?;
-    jobs.iter_mut()
-        .for_each(|queued| unroll(&mut queued.job.scene));
+    // A job of its own file is none that the board repeats.
+    let own = jobs
+        .iter_mut()
+        .filter(|queued| queued.job.machine.is_none());
+    own.for_each(|queued| unroll(&mut queued.job.scene));
     refuse_folders(&jobs)?;
     jobs.iter().for_each(|queued| queued.job.warn_of_pauses());
     for QueuedJob { file, job, folder } in &jobs {

@@ -75,7 +75,7 @@ pub enum Clock {
 pub enum Start {
     /// Power was switched on.
     Power,
-    /// The reset pin, a programmer, or a supply that sagged.
+    /// The reset pin, or a programmer.
     Reset,
     /// The watchdog: ticks did not come, not in time, or far too slowly by its own oscillator.
     Watchdog,

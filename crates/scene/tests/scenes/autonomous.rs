@@ -52,6 +52,28 @@ fn start_and_repeat_are_read_with_their_defaults() {
     assert_eq!(read(THESIS).service.autonomous, None);
 }
 
+/// A stop that begins late in a pass goes on into the next one, as it does in the same moves written out.
+#[test]
+fn the_longest_stop_is_that_of_all_passes() {
+    let start = "start = \"button\"";
+    let with_ramp = |repeat: &str| changed(start, &format!("{start}\nhold_ramp_s = 5.0{repeat}"));
+    let (head, moves) = ALONE.split_at(ALONE.find("[[job.move]]").expect("a move"));
+    assert!(head.contains("[job]"));
+    let longest = |text: &str| read(text).longest_stop().expect("a good job");
+    let four = longest(&format!("{}\n{}", with_ramp(""), moves.repeat(3)));
+    let once = longest(&with_ramp(""));
+    assert!(
+        once.time_s < four.time_s && once.way_m < four.way_m,
+        "{once:?} {four:?}"
+    );
+    assert_eq!(longest(&with_ramp("\nrepeat = 4")), four);
+    let forever = longest(&with_ramp("\nrepeat = \"forever\""));
+    assert!(
+        forever.time_s >= four.time_s && forever.way_m >= four.way_m,
+        "{forever:?}"
+    );
+}
+
 #[test]
 fn passes_stand_one_behind_another_where_there_is_an_end_of_them() {
     let start = "start = \"button\"";

@@ -411,17 +411,20 @@ proptest! {
                 ..InterlockReadings::default()
             };
             for _ in 0..ticks {
-                is_asked |= button.read(is_pressed) && button.is_active();
+                let is_press = button.read(is_pressed) && button.is_active();
                 let (state, _) = machine.tick();
+                let features = &machine.tick.features;
+                is_asked |= is_press && !features.is_open() && !features.is_pressed();
                 let rests = |state: State| state.is_at_rest();
                 let moves = matches!(state, State::Running | State::Homing | State::Recovering);
                 if rests(before) && moves {
                     prop_assert!(is_asked, "{before:?} to {state:?}");
-                    let features = &machine.tick.features;
                     prop_assert!(!features.is_open() && !features.is_pressed());
                 }
                 if matches!(state, State::Fault | State::Reacting | State::Stopping | State::Slowing)
                     || (before == State::Running && state == State::Idle)
+                    // The press that acknowledges a fault begins nothing.
+                    || before == State::Fault
                 {
                     is_asked = false;
                 }

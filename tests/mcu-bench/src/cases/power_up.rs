@@ -42,6 +42,7 @@ pub(super) fn rest(subject: &Subject) -> Result<Vec<Row>> {
             ResetCause::Power => Start::Power,
             // Power-on and brown-out have one flag there.
             ResetCause::BrownOut if subject.kind == Kind::Stm32g474 => Start::Power,
+            ResetCause::BrownOut => Start::LowSupply,
             ResetCause::Watchdog => Start::Watchdog,
             _ => Start::Reset,
         };

@@ -23,6 +23,9 @@ compile_error!(
      of classic CAN"
 );
 
+/// Flag of RCC_CSR for a supply that sagged below the brown-out level; at power-on it comes with the flag of that.
+pub(crate) const BROWN_OUT: u32 = 1 << 25;
+
 /// Switches the clocks of the peripherals on.
 pub(crate) fn switch_on() {
     RCC.ahb1enr().modify(|w| {

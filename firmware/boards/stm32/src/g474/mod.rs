@@ -23,6 +23,9 @@ compile_error!(
     "drive.kind = \"bldc\": the firmware for this board drives steppers, drives on CAN or nothing"
 );
 
+/// A supply that sagged has no flag of its own: it is that of power-on.
+pub(crate) const BROWN_OUT: u32 = 0;
+
 /// Switches the clocks of the peripherals on.
 pub(crate) fn switch_on() {
     RCC.ahb1enr().modify(|w| {
