@@ -28,7 +28,7 @@ fn cause_of_start() -> Start {
         (true, _, _) => Start::Power,
         (_, Some(start), _) => start,
         (_, _, true) => Start::Watchdog,
-        _ if flags & chip::BROWN_OUT != 0 => Start::LowSupply,
+        _ if chip::BROWN_OUT.is_some_and(|flag| flags & flag != 0) => Start::LowSupply,
         _ if flags & ANY == 0 => Start::Power,
         _ => Start::Reset,
     }

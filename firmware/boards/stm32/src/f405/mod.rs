@@ -24,7 +24,7 @@ compile_error!(
 );
 
 /// Flag of RCC_CSR for a supply that sagged below the brown-out level; at power-on it comes with the flag of that.
-pub(crate) const BROWN_OUT: u32 = 1 << 25;
+pub(crate) const BROWN_OUT: Option<u32> = Some(1 << 25);
 
 /// Switches the clocks of the peripherals on.
 pub(crate) fn switch_on() {

@@ -24,7 +24,7 @@ compile_error!(
 );
 
 /// A supply that sagged has no flag of its own: it is that of power-on.
-pub(crate) const BROWN_OUT: u32 = 0;
+pub(crate) const BROWN_OUT: Option<u32> = None;
 
 /// Switches the clocks of the peripherals on.
 pub(crate) fn switch_on() {
