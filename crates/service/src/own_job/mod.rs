@@ -36,9 +36,6 @@ use trirrr_protocol::message::{Fault, State};
 /// Number of passes of a job that is repeated until something stops it.
 pub const FOREVER: u32 = u32::MAX;
 
-/// Debounce times of the button behind a press that acknowledges a fault in which no press counts.
-const ACKNOWLEDGED: u16 = 16;
-
 /// Event that begins the job.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum JobStart {
@@ -113,10 +110,8 @@ pub struct OwnJob<'q, S: Scene, const PACED: bool> {
     is_pressed: bool,
     /// Somebody asked for the job: it is on its way.
     is_wanted: bool,
-    /// Ticks until the contacts tell what they are, or a hand that has acknowledged a fault can press again.
+    /// Ticks until the contacts tell what they are.
     settling: u16,
-    /// Ticks of the latter.
-    acknowledged: u16,
 }
 
 impl<'q, N, S, const PACED: bool> Foreground<'q, S, OwnJob<'q, S, PACED>>
@@ -160,9 +155,6 @@ where
             is_pressed: false,
             is_wanted: parts.begins == JobStart::Power,
             settling: parts.interlocks.settling_ticks(),
-            acknowledged: parts.button.map_or(0, |button| {
-                button.debounce_ticks.saturating_mul(ACKNOWLEDGED)
-            }),
         };
         let features = TickFeatures::<S, ()> {
             splices: (),
@@ -286,8 +278,6 @@ impl<N: ServiceNumber, S: Scene<N = N>, const PACED: bool> Foreground<'_, S, Own
                 // Motors that lost their places, and cannot find them, stay off.
                 if is_pressed && (self.features.needs_homing() || !self.supply.is_lost()) {
                     self.clear_fault();
-                    // The same press, bouncing, is none that begins.
-                    self.ends.settling = self.ends.acknowledged;
                 }
                 false
             }
