@@ -105,13 +105,7 @@ fn moves_of<M: Model<N = f64>>(
     );
     if !easings.is_empty() {
         let cuts = cuts_of(&easings, run);
-        let mean_s = run.mean_s();
         split(planner, pieces, run, &mut strikes, &easings, cuts)?;
-        if planner.jerk().is_some() {
-            let step_s = f64::from(sampling.ticks_min) * sampling.period_s;
-            let (cells, places) = (&run.cells, &run.places);
-            run.jerk = JerkLimits::of(planner, pieces, cells, places, [mean_s, step_s]);
-        }
     }
     leave_room(run, pieces, &sampling);
     run.replan();
@@ -225,7 +219,7 @@ fn cuts_of(easings: &[Easing], run: &Run) -> Vec<Vec<f64>> {
     cuts
 }
 
-/// Cuts the cells of `run`. Each part takes over what the passes use of the limits, and the strikes.
+/// Cuts the cells of `run`. Each part takes over what the passes use of the limits, those of jerk, and the strikes.
 fn split<M: Model<N = f64>>(
     planner: &Planner<M>,
     pieces: &[PathPiece],
@@ -240,6 +234,10 @@ fn split<M: Model<N = f64>>(
     let whole = run.clone();
     let grid = Grid::split(planner, pieces, whole.clone(), &cuts, easings)?;
     *run = grid.plan(whole.pieces.clone()).0;
+    run.jerk = whole.jerk.as_ref().and_then(|jerk| {
+        let (cells, places) = (&run.cells, &run.places);
+        JerkLimits::of(planner, pieces, cells, places, [jerk.cell_s, jerk.step_s])
+    });
     // An easing has the feed of another piece: what it bounds is no bound of the path.
     run.least_s = match easings.is_empty() {
         true => run.least_s.max(whole.least_s),
