@@ -104,8 +104,24 @@ async function actions(tab) {
     const caret = await tab.$eval("#text", (field) => field.value.slice(field.selectionStart, field.selectionStart + 2));
     assert.equal(caret, "-0", "a click on the message goes to the value");
     await shot(tab, "refused");
-    // A job that is too fast is refused by the admission; the machine stays in the hand.
-    await tab.fill("#text", scene.replace(/^duration_s = .*$/m, "duration_s = 0.05"));
+    // A job that is too fast is refused by the admission; the machine stays in the hand. What the reader says of the text before, which is
+    // under way when this one is typed, is not shown.
+    await tab.evaluate(([bad, fast]) => {
+        const field = document.querySelector("#text");
+        const type = (text) => {
+            field.value = text;
+            field.dispatchEvent(new Event("input"));
+        };
+        const post = Worker.prototype.postMessage;
+        Worker.prototype.postMessage = function (...question) {
+            Worker.prototype.postMessage = post;
+            post.apply(this, question);
+            // The reader has begun once this turn has ended.
+            queueMicrotask(() => type(fast));
+        };
+        type(bad);
+    }, [scene.replace("proximal_m = ", "proximal_m = -"), scene.replace(/^duration_s = .*$/m, "duration_s = 0.05")]);
+    await tab.waitForFunction(() => document.querySelector("#text").value.includes("duration_s = 0.05"));
     await checked(tab);
     assert.match(await text(tab, ".trouble"), /job\.move\[1\].*would be long enough/);
     await tab.click("#reset");

@@ -4,6 +4,7 @@ import asyncio
 import contextlib
 import io
 import math
+import socket
 import sys
 import threading
 import time
@@ -17,8 +18,8 @@ from trirrr.exchange import Refused
 from trirrr.goals import NoMotion
 from trirrr.jobs import read
 from trirrr.messages import Command, SectionName
-from trirrr.ports import PortError
-from trirrr.stream import JobFailed
+from trirrr.ports import Port, PortError, open_port
+from trirrr.stream import JobFailed, Stream
 
 
 class Boards(unittest.TestCase):
@@ -113,6 +114,69 @@ class Boards(unittest.TestCase):
             # It stood for some ticks, and came to the end of the path all the same.
             self.assertGreater(len(ticks["t"]), 101)
             self.assertAlmostEqual(ticks["x"][-1], 0.28, places=6)
+
+    def test_threads_open_no_line_beside_that_of_a_job(self) -> None:
+        class Switching(Board):
+            """Another thread comes between what is read of the job and what is done with it."""
+
+            @property
+            def _job(self) -> Stream | None:
+                job: Stream | None = self.__dict__.get("job")
+                time.sleep(0.01)
+                return job
+
+            @_job.setter
+            def _job(self, job: Stream | None) -> None:
+                self.__dict__["job"] = job
+
+        with Device("thesis.toml", speed=5.0) as address, Switching.connect(address) as board:
+            board.enable()
+            open_line = board._open
+            opened: list[bool] = []
+
+            def counted() -> Port:
+                opened.append(threading.current_thread() is threading.main_thread())
+                return open_line()
+
+            board._open = counted
+            ended = threading.Event()
+
+            def look() -> None:
+                while not ended.is_set():
+                    board.status()
+
+            threads = [threading.Thread(target=look) for _ in range(3)]
+            for thread in threads:
+                thread.start()
+            board.run(SCENES / "thesis.toml")
+            ended.set()
+            for thread in threads:
+                thread.join()
+            # That of the job, and the board's own behind it.
+            self.assertEqual(opened, [True, True])
+
+    def test_a_line_that_is_given_back_ends_a_wait_in_another_thread(self) -> None:
+        with socket.create_server(("127.0.0.1", 0)) as server:
+            port = open_port(f"tcp:127.0.0.1:{server.getsockname()[1]}")
+            machine = server.accept()[0]
+            said: list[object] = []
+
+            def wait() -> None:
+                try:
+                    said.append(port.receive(60.0))
+                except PortError as error:
+                    said.append(error)
+
+            thread = threading.Thread(target=wait)
+            thread.start()
+            time.sleep(0.1)
+            port.close()
+            # The machine takes one client at a time: it hears at once that this one has gone.
+            machine.settimeout(30.0)
+            self.assertEqual(machine.recv(1), b"")
+            thread.join(timeout=30.0)
+            self.assertIsInstance(said[0], PortError)
+            machine.close()
 
     def test_a_task_that_is_cancelled_brings_the_machine_to_rest_and_leaves_the_board_usable(self) -> None:
         async def cancel(address: str) -> None:

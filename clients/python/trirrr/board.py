@@ -113,6 +113,8 @@ class Board:
         self._port: Port | None = None
         self._is_closed = False
         self._job: Stream | None = None
+        # Whose conversation the line carries, and that it is open: changed together.
+        self._line = threading.RLock()
         self._greet()
 
     @classmethod
@@ -140,13 +142,15 @@ class Board:
 
     def close(self) -> None:
         """Gives the line back. The machine comes to rest by itself if it waits for its host."""
-        self._is_closed = True
-        self._drop()
+        with self._line:
+            self._is_closed = True
+            self._drop()
 
     def _drop(self) -> None:
-        if self._port is not None:
-            self._port.close()
-            self._port = None
+        with self._line:
+            if self._port is not None:
+                self._port.close()
+                self._port = None
 
     @property
     def name(self) -> str:
@@ -372,14 +376,12 @@ class Board:
         ``True`` shows a bar of tqdm. ``JobError`` and ``JobFailed`` say why the job was not played, or not to its end: also after a
         ``stop`` from another thread. A machine that stands elsewhere goes to the start of the job by a way that it plans.
         """
-        if self._job is not None:
-            raise BoardError(_UNDER_WAY)
         read = jobs.read(os.fspath(job), None if moves is None else os.fspath(moves))
         # The board's own: a scene whose number type is another is another scene, and is told as that.
         read = replace(read, number=None)
         recorder = Recorder()
         with hearing(progress) as hear:
-            stream = self._job = Stream(
+            stream = Stream(
                 self._open,
                 read,
                 recorder.hear,
@@ -388,18 +390,24 @@ class Board:
                 recover_s=recover_s,
                 survey=[Command.Read(SectionName.Leg(leg)) for leg in range(3)],
             )
-            try:
+            # Another thread sees either conversation, and opens no line beside the one of the job.
+            with self._line:
+                if self._job is not None:
+                    raise BoardError(_UNDER_WAY)
+                self._job = stream
                 self._drop()
+            try:
                 stream.run()
                 legs = [section.content.leg for section in stream.survey]
                 rows = recorder.rows(stream.exchange.identity, legs, stream.exchange.numbers)
                 return record.as_columns(rows, read.torque)
             finally:
-                stream.exchange = None
-                try:
-                    self._greet()
-                finally:
-                    self._job = None
+                with self._line:
+                    stream.exchange = None
+                    try:
+                        self._greet()
+                    finally:
+                        self._job = None
 
     def update(self, image: str | os.PathLike[str], *, progress: Progress | bool | None = None) -> str:
         """Replaces the program of the board by ``image``, the ELF file that ``cargo fw`` builds, as ``trirrr update`` does.
@@ -464,17 +472,19 @@ class Board:
     @property
     def _exchange(self) -> Exchange:
         """The conversation of the job that is played, or the board's own."""
-        while (job := self._job) is not None:
-            exchange: Exchange | None = job.exchange
+        while True:
+            with self._line:
+                if self._job is None:
+                    if self._port is None:
+                        if self._is_closed:
+                            raise PortError("the board was closed: connect anew")
+                        self._greet()
+                    return self._own
+                exchange: Exchange | None = self._job.exchange
             if exchange is not None and exchange.identity is not None:
                 return exchange
             # Between two conversations.
             time.sleep(LOOK_S)
-        if self._port is None:
-            if self._is_closed:
-                raise PortError("the board was closed: connect anew")
-            self._greet()
-        return self._own
 
     @contextlib.contextmanager
     def _moving(self) -> Iterator[Mover]:
@@ -503,9 +513,10 @@ class Board:
                 exchange.listen(LOOK_S)
             except PortError:
                 # A job that begins or ends in another thread has taken the line.
-                if exchange is self._own and self._job is None:
-                    self._drop()
-                    raise
+                with self._line:
+                    if exchange is self._own and self._job is None:
+                        self._drop()
+                        raise
                 time.sleep(LOOK_S)
 
 

@@ -93,6 +93,9 @@ class _Tcp:
         return next((why for words, why in _REFUSALS.items() if said.startswith(words)), else_)
 
     def close(self) -> None:
+        # Ends a wait for this line in another thread, which would hold it open.
+        with contextlib.suppress(OSError):
+            self._socket.shutdown(socket.SHUT_RDWR)
         self._socket.close()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import time
 from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -117,6 +118,8 @@ class Stream:
                 if self.reconnected == self._reconnects:
                     raise
                 self.reconnected += 1
+                # A machine that still sees the client before refuses this one, and may start anew itself.
+                time.sleep(self._answer_s)
 
     def _play(self, port: Port) -> None:
         numbers = NUMBERS.get(self._job.number) if self._job.number else None

@@ -283,6 +283,7 @@ class Page {
 
     /** Reads all once the user pauses. */
     private ask(): void {
+        this.reader.forget();
         if (this.isDraftGood) this.setVerdict("checking the job \u2026", false);
         clearTimeout(this.timer);
         this.timer = setTimeout(() => {

@@ -17,10 +17,8 @@ export class Reader {
     ) {}
 
     ask(source: Source): void {
-        this.asked += 1;
+        this.forget();
         const question: Question = { id: this.asked, ...source };
-        // An older question is of no interest any more, and may take long.
-        if (this.isBusy) this.stop();
         if (!this.worker) {
             this.worker = new Worker(this.script);
             this.worker.addEventListener("message", ({ data }: MessageEvent<Answer | ModesAnswer | PlantAnswer>) => this.take(data));
@@ -32,6 +30,12 @@ export class Reader {
         }
         this.isBusy = true;
         this.worker.postMessage(question);
+    }
+
+    /** Ends the question under way: the text has changed. Its answer is none any more, and it may take long. */
+    forget(): void {
+        this.asked += 1;
+        if (this.isBusy) this.stop();
     }
 
     private stop(): void {
