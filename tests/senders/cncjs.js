@@ -50,9 +50,9 @@ async function until(what, wanted) {
   console.log(`${what}: ${state()} at ${place()}`);
 }
 
-// Two polls: the state before may be one that is over.
+// Six polls: the state before may be one that is over.
 async function idle(what) {
-  await sleep(600);
+  await sleep(1500);
   await until(what, () => state() === "Idle");
 }
 
@@ -118,7 +118,7 @@ async function run(port) {
   near([255, 245]);
 
   // Hold, resume and abort of a file, by the buttons of the page.
-  command("gcode:load", "line.ngc", "G91\nG1 X-40 F300\nG90\n");
+  command("gcode:load", "line.ngc", "G91\nG1 X-40 F60\nG90\n");
   await until("loaded", () => sender.name === "line.ngc");
   command("gcode:start");
   await until("running", () => state() === "Run" && place()[0] < 253);

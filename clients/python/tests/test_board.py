@@ -364,7 +364,8 @@ class Boards(unittest.TestCase):
     def test_outputs_are_switched_by_name(self) -> None:
         scene = SCENES / "inputs/valves.toml"
         with (
-            Device("inputs/valves.toml", more=("--press", "sheet@0")) as address,
+            # Slow, that no state of the outputs passes between two looks.
+            Device("inputs/valves.toml", speed=0.5, more=("--press", "sheet@0")) as address,
             Board.connect(address, scene=scene) as board,
         ):
             with self.assertRaisesRegex(Refused, "not while the machine is disabled"):
