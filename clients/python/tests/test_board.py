@@ -365,7 +365,7 @@ class Boards(unittest.TestCase):
         scene = SCENES / "inputs/valves.toml"
         with (
             # Slow, that no state of the outputs passes between two looks.
-            Device("inputs/valves.toml", speed=0.5, more=("--press", "sheet@0")) as address,
+            Device("inputs/valves.toml", speed=0.2, more=("--press", "sheet@0")) as address,
             Board.connect(address, scene=scene) as board,
         ):
             with self.assertRaisesRegex(Refused, "not while the machine is disabled"):

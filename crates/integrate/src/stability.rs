@@ -4,7 +4,7 @@ use crate::method::Method;
 use crate::system::System;
 use nalgebra::linalg::Schur;
 use nalgebra::linalg::balancing::balance_parlett_reinsch;
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, ComplexField, DMatrix};
 use std::fmt::{Display, Formatter};
 
 /// An eigenvalue counts as decaying or oscillating where it exceeds this part of the largest;
@@ -58,7 +58,7 @@ impl Spectrum {
     pub fn radius(&self) -> f64 {
         self.eigenvalues
             .iter()
-            .fold(0.0, |most, value| value.norm().max(most))
+            .fold(0.0, |most, value| value.modulus().max(most))
     }
 
     /// Rate in 1/s at which the fastest growing part of a deviation grows; negative where all decay.
@@ -90,13 +90,13 @@ impl Spectrum {
     fn longest_explicit(&self, amplification: fn(Complex<f64>) -> Complex<f64>) -> f64 {
         let radius = self.radius();
         let decaying =
-            |value: &&Complex<f64>| value.norm() > ZERO * radius && value.re <= ZERO * radius;
+            |value: &&Complex<f64>| value.modulus() > ZERO * radius && value.re <= ZERO * radius;
         self.eigenvalues
             .iter()
             .filter(decaying)
             .map(|&value| {
-                let unstable = |h: f64| amplification(value * h).norm() > 1.0 + AMPLIFIES;
-                first_step(value.norm(), unstable)
+                let unstable = |h: f64| amplification(value * h).modulus() > 1.0 + AMPLIFIES;
+                first_step(value.modulus(), unstable)
             })
             .fold(f64::INFINITY, f64::min)
     }
