@@ -69,6 +69,15 @@ impl Pacer {
         left
     }
 
+    /// Lets the clock stand while the computer is busy elsewhere: a `tick` that is more than `most` late is due now, and those behind it
+    /// a period from each other.
+    pub(crate) fn stand(&mut self, tick: u64, most: Duration) {
+        let late = Instant::now().saturating_duration_since(self.due(tick));
+        if late > most {
+            self.start += late;
+        }
+    }
+
     /// Notes that `tick` has its result. Returns true if it was late.
     pub(crate) fn done(&mut self, tick: u64) -> bool {
         let late = Instant::now() > self.due(tick + 1);
@@ -105,6 +114,19 @@ mod tests {
         std::thread::sleep(Duration::from_millis(3));
         pacer.done(0);
         assert_eq!(pacer.finish().late, 1);
+    }
+
+    #[test]
+    fn the_clock_stands_while_the_computer_is_busy() {
+        let mut pacer = Pacer::start(1000.0);
+        std::thread::sleep(Duration::from_millis(30));
+        // A little late: all that is missed follows.
+        pacer.stand(0, Duration::from_secs(3600));
+        assert!(pacer.left(20).is_zero());
+        // Too late for that.
+        pacer.stand(0, Duration::from_millis(10));
+        assert!(pacer.left(0).is_zero());
+        assert!(Instant::now() < pacer.due(20_000));
     }
 
     #[test]

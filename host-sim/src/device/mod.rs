@@ -218,6 +218,7 @@ fn run<N: ServiceNumber>(
     let mut turns = Turns::default();
     let mut tick = 0;
     while !stop.load(Ordering::Relaxed) {
+        pacer.stand(tick, LEAP);
         let left = pacer.left(tick);
         if turns.is_for_tick(left, Instant::now()) {
             server.tick()?;
@@ -239,6 +240,9 @@ fn run<N: ServiceNumber>(
 
 /// Longest time that late ticks keep the line waiting, and that the line keeps late ticks waiting.
 const TURN: Duration = Duration::from_millis(4);
+
+/// Most time that is made up for by ticks in a row. Longer leaps would look like a host that is silent: it cannot answer within them.
+const LEAP: Duration = Duration::from_millis(50);
 
 /// Turns of ticks and of the line. A tick that is due goes first; on a computer that is too busy ticks are always due, and the line would
 /// never be served until it is idle.

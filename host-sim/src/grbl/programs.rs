@@ -218,6 +218,20 @@ fn check(wanted: u32) {
     assert!(figures.good > wanted * 4 / 5, "{}", figures.good);
 }
 
+/// A machine that slows down over 2 s begins with more moves than a sender waits for.
+#[test]
+fn a_start_that_comes_too_early_is_made_again_with_more_of_the_path() {
+    let text = include_str!("../../../scenes/paths/onboard.toml");
+    let slow = text.replacen("hold_ramp_s = 0.1", "hold_ramp_s = 2", 1);
+    assert_ne!(slow, text);
+    let scene = Scene::parse(&slow, "onboard.toml").expect("a scene");
+    let side = |x: f64| format!("G1 X{x} F1200\nG1 Y250\nG1 X250\nG1 Y245\n");
+    let program: String = (0..8).map(|turn| side(255.0 + f64::from(turn))).collect();
+    with_bench::<N, _>(&scene, 1, |bench| {
+        assert!(is_played_by_grbl(bench, &program))
+    });
+}
+
 #[test]
 fn programs_that_are_good_are_played_by_grbl_and_by_stream() {
     check(4);

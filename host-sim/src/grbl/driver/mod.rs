@@ -37,7 +37,7 @@ const SAMPLE_AGE: Duration = Duration::from_millis(300);
 /// Samples a second: senders ask for five to twenty reports.
 const SAMPLES_HZ: f64 = 25.0;
 
-/// Moves that wait before a path that still grows is begun.
+/// Moves that wait before a path that still grows is begun. The machine may want more of them: those that come to rest.
 const HEAD_START: u32 = 24;
 
 /// Motion with the probe.
@@ -78,6 +78,8 @@ pub(super) struct MachineDriver<N: Transmit> {
     known: u64,
     look: Duration,
     pause: Duration,
+    /// Moves that the machine had when it refused a start as too early.
+    early: Option<u32>,
     waking: Option<Waking<N>>,
     holds: Holds,
     /// The door is or was open, and the sender does not know yet.
@@ -127,6 +129,7 @@ impl<N: Transmit> MachineDriver<N> {
             known: 0,
             look: Duration::ZERO,
             pause: Duration::ZERO,
+            early: None,
             waking: None,
             holds: Holds::default(),
             is_door_hold: false,
@@ -331,10 +334,9 @@ impl<N: Transmit> MachineDriver<N> {
         }
         let waits = status.state == State::Idle && status.next != status.done;
         let is_whole = !status.planning && status.admitted == status.next;
-        if waits
-            && (is_whole || status.next.wrapping_sub(status.done) >= HEAD_START)
-            && self.is_fresh()
-        {
+        let is_ahead =
+            status.next.wrapping_sub(status.done) >= HEAD_START && self.early != Some(status.next);
+        if waits && (is_whole || is_ahead) && self.is_fresh() {
             return match self.probing {
                 None => Some(Command::Start),
                 Some(Probing::Waits { away }) => Some(Command::Probe { away }),

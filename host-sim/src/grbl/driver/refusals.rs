@@ -63,8 +63,15 @@ impl<N: Transmit> MachineDriver<N> {
             (Command::Start, Refusal::LimitSwitch { .. }) => {
                 self.refuse(describe::refusal(&refusal, 0, &self.words));
             }
-            // Too early or too late: the next status says what holds.
+            // Too early or too late: the next status says what holds. More of the path comes before another start.
             _ => {
+                if let (
+                    Command::Start | Command::Probe { .. },
+                    Refusal::Undecided | Refusal::EndsMoving,
+                ) = (command, refusal)
+                {
+                    self.early = self.status.map(|status| status.next);
+                }
                 self.pause = now + PAUSE;
                 self.look = self.pause;
             }
