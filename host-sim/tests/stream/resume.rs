@@ -5,7 +5,7 @@ use std::path::Path;
 use tempfile::TempDir;
 
 /// Slower than the machine is: on a busy host neither is it done before it is looked at, nor is a stream that lives taken for silent.
-const SLOW: [&str; 2] = ["--speed", "0.25"];
+const SLOW: [&str; 2] = ["--speed", "0.5"];
 
 /// A folder with the chained job, whose host may be silent for half a second of the machine's time.
 fn chained() -> TempDir {

@@ -91,7 +91,8 @@ impl<N: Transmit> JobClient<N> {
                 if let Some(status) = &mut self.status {
                     status.acting = Acting::Resume;
                 }
-                self.schedule.look_at(now);
+                // The tick has to take it before a status knows of it.
+                self.schedule.wait(now);
             }
             Command::Job(_) => {
                 self.is_named = true;

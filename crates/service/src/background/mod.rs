@@ -93,6 +93,8 @@ struct TickView<N: Number> {
     orders_sent: u8,
     /// Orders that the tick has taken, modulo 256.
     orders_taken: u8,
+    /// Orders that have to be taken before a report has the state that the last of them makes; none where all reports have it.
+    awaited: Option<u8>,
 }
 
 /// A pose at which moves end, at rest.
@@ -194,6 +196,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
                 angles,
                 orders_sent: 0,
                 orders_taken: 0,
+                awaited: None,
             },
             job_is_over: false,
         }
@@ -288,6 +291,9 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     #[inline(never)]
     fn apply_report(&mut self, report: &TickReport<S>) {
         self.view.orders_taken = report.orders;
+        if !self.awaits_order() {
+            self.view.awaited = None;
+        }
         self.view.begun = report.begun;
         self.view.passed = report.passed;
         // An older report must not overwrite the angles predicted for changed encoder offsets in flight.
@@ -323,7 +329,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
             });
         }
         // An older report must not overwrite the state predicted for an order in flight.
-        if over || self.view.orders_taken == self.view.orders_sent {
+        if over || !self.awaits_order() {
             (self.status.state, self.status.acting) = (report.state, report.acting);
             if self.status.end.is_none() && self.status.state == State::Idle {
                 self.status.end = Some(at_rest(report.pose));
@@ -358,13 +364,23 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
         self.desk.events.0.send(event);
     }
 
-    /// Sends an order and, until the tick reports, counts on what it will make of the state.
+    /// Returns true while the tick has not taken the order whose state is predicted. Few orders are in flight.
+    fn awaits_order(&self) -> bool {
+        let is_ahead = |awaited: u8| (self.view.orders_taken.wrapping_sub(awaited) as i8) < 0;
+        self.view.awaited.is_some_and(is_ahead)
+    }
+
+    /// Sends an order and, until the tick has taken it, counts on what it will make of the state. One that leaves the state as it is keeps no
+    /// report back: a host may send one in each tick.
     fn order(&mut self, order: Order, state: State) -> Result<(), Refusal<N>> {
         if !self.ends.orders.send(order) {
             return Err(Refusal::Busy);
         }
         self.view.orders_sent = self.view.orders_sent.wrapping_add(1);
-        self.status.state = state;
+        if self.status.state != state {
+            self.status.state = state;
+            self.view.awaited = Some(self.view.orders_sent);
+        }
         Ok(())
     }
 }

@@ -342,6 +342,34 @@ fn no_state_is_without_an_exit() {
     }
 }
 
+/// An order of each tick, which is on its way in each status, keeps no state back: not that of a job that goes on, nor of its end.
+#[test]
+fn a_host_that_orders_in_each_tick_sees_what_the_machine_does() {
+    let mut bench = Bench::<Thesis<f64>>::new();
+    bench.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 300));
+    bench.done(Command::Start);
+    bench.ticks(50);
+    bench.done(Command::Hold);
+    bench.until(State::Holding);
+    let mut seen = std::vec![bench.state()];
+    // One more than the tick takes.
+    bench.done(Command::FeedOverride { percent: 100 });
+    for _ in 0..600 {
+        let order = match bench.state() {
+            State::Holding => Command::Resume,
+            _ => Command::FeedOverride { percent: 100 },
+        };
+        bench.done(order);
+        let state = bench.state();
+        if seen.last() != Some(&state) {
+            seen.push(state);
+        }
+        bench.tick();
+    }
+    assert_eq!(seen, [State::Holding, State::Running, State::Idle]);
+    assert_eq!(bench.status().done, 1);
+}
+
 #[test]
 fn a_silent_host_leaves_a_job_that_waits() {
     let mut bench = Bench::<Thesis<f64>>::new();
