@@ -67,6 +67,8 @@ pub struct Planner<M: Model<N: Enclose>, C = Path<M>> {
     ramp: BoundOf<M>,
     #[cfg(feature = "std")]
     lever_m: f64,
+    #[cfg(feature = "std")]
+    is_paced: bool,
     /// Most of x |X''| across the path, in the plane and for alpha.
     bend: Option<[BoundOf<M>; 2]>,
 }
@@ -163,6 +165,8 @@ impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
             ramp,
             #[cfg(feature = "std")]
             lever_m: 0.0,
+            #[cfg(feature = "std")]
+            is_paced: false,
             bend: None,
         }
     }
@@ -186,6 +190,22 @@ impl<N: Enclose, M: Model<N = N>, C: Borrow<Path<M>>> Planner<M, C> {
     #[cfg(feature = "std")]
     pub(crate) fn lever_m(&self) -> f64 {
         self.lever_m
+    }
+
+    /// Limits powers at each pace from rest to that of the motion: a torque at rest that is beyond what the power allows at that pace is none
+    /// where the motion takes it back.
+    #[cfg(feature = "std")]
+    pub(crate) fn paced(self) -> Self {
+        Self {
+            is_paced: true,
+            ..self
+        }
+    }
+
+    /// Returns true if powers are limited at each pace.
+    #[cfg(feature = "std")]
+    pub(crate) fn is_paced(&self) -> bool {
+        self.is_paced
     }
 
     /// Returns true if the power of the motors is limited.

@@ -208,7 +208,9 @@ impl<'a> Grid<'a> {
         match measuring.cell(piece, [from, to]) {
             Ok(measured) => {
                 self.places.push(place);
-                self.cells.push(measured.cell());
+                let mut cell = measured.cell();
+                cell.is_paced = measuring.planner.is_paced();
+                self.cells.push(cell);
                 if measuring.bounded {
                     self.possible.push(measured.possible());
                 }

@@ -6,8 +6,8 @@
 
 pub use crate::planned::{PlannedMove, Sampling};
 
-use crate::cell::{Obstacle, Planner};
-use crate::course::{Effort, Plan, plan};
+use crate::cell::{Limited, Obstacle, Planner};
+use crate::course::{self, Effort, Plan};
 use crate::draft::{Draft, Fine, leave_room, shortest_s, spare_at_start};
 use crate::even;
 use crate::grid::{Easing, Grid, easings};
@@ -64,19 +64,88 @@ pub fn plan_moves<M: Model<N = f64>>(
     sampling: Sampling,
     mut judge: impl FnMut(&[PlannedMove]) -> Vec<Judged>,
 ) -> Result<PlannedMoves, PathRefusal> {
-    let mut plan = plan(planner, pieces, effort)?;
+    let (at_rest, paced) = (*planner, planner.paced());
+    let mut plan = course::plan(planner, pieces, effort)?;
+    let other = match plan.runs.iter().any(is_limited_by_power) {
+        true => course::plan(&paced, pieces, effort).ok(),
+        false => None,
+    };
     let mut moves: Vec<PlannedMove> = Vec::new();
     let mut spare = spare_at_start(&sampling);
-    for run in &mut plan.runs {
+    for (index, run) in plan.runs.iter_mut().enumerate() {
         let start = moves.len();
-        let of_run = moves_of(planner, run, pieces, sampling, &mut spare, &mut judge)?;
-        moves.extend(of_run);
+        let mut of_run = RunMoves::of(&at_rest, run, pieces, sampling, spare, &mut judge);
+        // Neither is the faster one everywhere: where the power at rest acts, what is mended may be slow.
+        if let Some(other) = other.as_ref().and_then(|plan| plan.runs.get(index))
+            && other.duration_s < FASTER * run.duration_s
+        {
+            let paced = RunMoves::of(&paced, other, pieces, sampling, spare, &mut judge);
+            of_run = RunMoves::faster(of_run, paced);
+        }
+        let of_run = of_run?;
+        spare = of_run.spare;
+        *run = of_run.run;
+        moves.extend(of_run.moves);
         // Pieces meet but for rounding; moves do exactly.
         if start > 0 {
             moves[start].ends.from = moves[start - 1].ends.to;
         }
     }
     Ok(PlannedMoves { plan, moves })
+}
+
+/// Part of the duration of a run below which another plan of it is worth its moves.
+const FASTER: f64 = 0.999;
+
+fn is_limited_by_power(run: &Run) -> bool {
+    let acting = |cell| matches!(run.acting(cell), Some(Limited::Power(_)));
+    (0..run.cells.len()).any(acting)
+}
+
+/// Moves of a run, and the run as it was mended for them.
+struct RunMoves {
+    run: Run,
+    moves: Vec<PlannedMove>,
+    /// Time that is left of the last tick, s.
+    spare: f64,
+}
+
+impl RunMoves {
+    fn of<M: Model<N = f64>>(
+        planner: &Planner<M>,
+        run: &Run,
+        pieces: &[PathPiece],
+        sampling: Sampling,
+        mut spare: f64,
+        judge: &mut impl FnMut(&[PlannedMove]) -> Vec<Judged>,
+    ) -> Result<Self, PathRefusal> {
+        let mut run = run.clone();
+        let moves = moves_of(planner, &mut run, pieces, sampling, &mut spare, judge)?;
+        Ok(Self { run, moves, spare })
+    }
+
+    fn ticks(&self) -> u64 {
+        self.moves.iter().map(|each| u64::from(each.ticks)).sum()
+    }
+
+    fn faster(
+        one: Result<Self, PathRefusal>,
+        other: Result<Self, PathRefusal>,
+    ) -> Result<Self, PathRefusal> {
+        match (one, other) {
+            (Ok(one), Ok(other)) => {
+                let least_s = one.run.least_s.max(other.run.least_s);
+                let mut faster = match other.ticks() < one.ticks() {
+                    true => other,
+                    false => one,
+                };
+                faster.run.least_s = least_s;
+                Ok(faster)
+            }
+            (Err(_), Ok(other)) => Ok(other),
+            (one, _) => one,
+        }
+    }
 }
 
 fn moves_of<M: Model<N = f64>>(

@@ -56,8 +56,10 @@ impl<B: Arithmetic> EndReach<B> {
             kept: true,
             stands: true,
         };
-        inequalities(cell, greatest_x, |each, _| {
-            reached.stands &= each.limit >= zero;
+        inequalities(cell, greatest_x, |each, what| {
+            // A power that is limited at each pace is none at rest.
+            let moves = cell.is_paced() && matches!(what, Limited::Power(_));
+            reached.stands &= each.limit >= zero || moves;
             let [asked, other] = sides(&each);
             let left = each.limit - other * known;
             if asked > zero {
@@ -240,6 +242,7 @@ struct RowTerms<B> {
     /// half_root / greatest.
     per_greatest: B,
     share: B,
+    is_paced: bool,
 }
 
 impl<B: Arithmetic> RowTerms<B> {
@@ -258,6 +261,7 @@ impl<B: Arithmetic> RowTerms<B> {
                 false => zero,
             },
             share: cell.share,
+            is_paced: cell.is_paced(),
         }
     }
 }
@@ -302,6 +306,17 @@ impl<B: Arithmetic> RowTerms<B> {
             + B::HALF * (square.slope.abs() + self.per_greatest * acceleration.slope.abs())
             + square.error;
         let limit = self.usable(limit) - self.share * rest.error;
+        // With the torque g at rest and m beside it, the power is so much at each pace below: w u (g + m u^2).
+        let is_paced = self.is_paced && matches!(row.what, Limited::Power(_));
+        let left = |limit: B, rest: B| {
+            let at_pace = limit - rest;
+            if !is_paced || !(rest + rest > limit + limit + limit) {
+                return at_pace;
+            }
+            // It is greatest at a lower pace, where m takes a third of g.
+            let part = rest.div(limit);
+            lesser(at_pace, -(rest * part * part * B::ratio(4, 27)))
+        };
         for end in [-B::ONE, B::ONE] {
             let at_end = acceleration.at(end);
             let size = at_end.abs() + acceleration.error;
@@ -322,7 +337,7 @@ impl<B: Arithmetic> RowTerms<B> {
                     let inequality = Inequality {
                         start: start - change,
                         end: end + change,
-                        limit: limit - rest_there,
+                        limit: left(limit, rest_there),
                     };
                     take(inequality, row.what);
                 }

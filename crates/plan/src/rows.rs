@@ -74,6 +74,9 @@ pub struct Cell<B> {
     tightened: B,
     /// r: rate of change of the pace that a hold may add, in paces per unit of time.
     pub(crate) ramp: B,
+    /// A power is limited at the pace that the motion has and at each lower one, and not by the torque at rest alone.
+    #[cfg(feature = "std")]
+    pub(crate) is_paced: bool,
     pub(crate) limits: Rows<ModelLine<B>, B>,
 }
 
@@ -144,6 +147,8 @@ impl<B: Arithmetic> Cell<B> {
             share: B::ONE,
             tightened: B::ONE,
             ramp: B::ZERO,
+            #[cfg(feature = "std")]
+            is_paced: false,
             limits,
         }
     }
@@ -161,6 +166,14 @@ impl<B: Arithmetic> Cell<B> {
             error: B::ZERO,
             ..line
         });
+    }
+
+    /// Returns true if a power is limited at each pace from rest on.
+    pub(crate) fn is_paced(&self) -> bool {
+        #[cfg(feature = "std")]
+        return self.is_paced;
+        #[cfg(not(feature = "std"))]
+        false
     }
 
     /// Uses the limits as `whole` does, of which this cell is a part.
