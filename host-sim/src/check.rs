@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use trirrr_figures::document::{Document, Facts};
 use trirrr_scene::words::{counted, tick_time};
 use trirrr_scene::{Autonomous, Scene};
-use trirrr_service::{FOREVER, JobStart};
+use trirrr_service::features::{FOREVER, JobStart};
 
 /// `trirrr check`.
 ///

@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 use trirrr_client::local::LocalService;
 use trirrr_line::{Line, LostLine, Reopening};
 use trirrr_protocol::message::{Message, Request};
-use trirrr_service::{InterlockReadings, ServiceNumber};
+use trirrr_service::ServiceNumber;
+use trirrr_service::board::InterlockReadings;
 
 /// Slices of work below the tick between two looks at a simulated machine.
 const SLICES: u32 = 256;

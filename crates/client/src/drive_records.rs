@@ -15,7 +15,8 @@ use trirrr_core::torque::links::{InPlane, Massive};
 use trirrr_core::torque::payload::Offset;
 use trirrr_protocol::message::{DriveReading, DriveSample, Telemetry, Transmit};
 use trirrr_scene::{Contact, Scene};
-use trirrr_service::{ContactCoefficients, ContactModel, ContactObserver};
+use trirrr_service::coefficients::ContactCoefficients;
+use trirrr_service::features::{ContactModel, ContactObserver};
 
 /// Model with room for every scene.
 type GeneralModel = Dynamic<f64, Offset<f64>, Massive<f64, InPlane<f64>>>;

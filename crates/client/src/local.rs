@@ -14,10 +14,12 @@ use trirrr_protocol::message::{Hello, Message, PROTOCOL, Reply, Request, State};
 use trirrr_protocol::wire::{self, schema};
 use trirrr_scene::Scene;
 use trirrr_scene::offer;
+use trirrr_service::board::{InterlockReadings, Readings};
+use trirrr_service::coefficients::{ContactCoefficients, FeedbackCoefficients, HomingCoefficients};
+use trirrr_service::features::{DigitalParameters, InterlockParameters, NoImage, On, input_bits};
 use trirrr_service::{
-    Adjustable, Channels, ContactCoefficients, DigitalParameters, FeedbackCoefficients,
-    HomingCoefficients, InterlockParameters, InterlockReadings, NoImage, On, Output, Played,
-    Readings, SceneParts, Service, ServiceError, ServiceNumber, Settings, input_bits, scene,
+    Adjustable, Channels, Output, Played, SceneParts, Service, ServiceError, ServiceNumber,
+    Settings, scene,
 };
 
 /// Places of the queue for moves, as on a board. One place stays empty.
@@ -75,7 +77,7 @@ pub trait LocalService<N: ServiceNumber> {
     /// Counts a tick that came too late.
     fn count_late(&mut self);
 
-    /// Makes the numbers of the conversations to come depend on `noise`, see [`Background::stir`](trirrr_service::Background::stir).
+    /// Makes the numbers of the conversations to come depend on `noise`, see [`Background::stir`](trirrr_service::board::Background::stir).
     fn stir(&mut self, noise: u32);
 
     /// Executes a request. Returns the answer.

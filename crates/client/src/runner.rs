@@ -10,7 +10,8 @@ use trirrr_protocol::message::{
     AnyMove, Command, Hello, Message, Reply, Request, State, Telemetry, Transmit,
 };
 use trirrr_scene::JobOutputs;
-use trirrr_service::{Output, Readings, ServiceNumber};
+use trirrr_service::board::Readings;
+use trirrr_service::{Output, ServiceNumber};
 
 /// One tick of a machine that plays a job.
 #[derive(Clone, Debug)]

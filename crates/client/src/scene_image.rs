@@ -2,7 +2,7 @@
 
 use trirrr_protocol::message::{SceneHeader, SceneTypes};
 use trirrr_protocol::wire::{checksum_of_bytes, to_bytes};
-use trirrr_service::SceneValues;
+use trirrr_service::coefficients::SceneValues;
 
 /// Values of a scene for a board whose program takes one over its line.
 #[derive(Clone, Debug, PartialEq, Eq)]

@@ -11,7 +11,7 @@
 //! | `[tool]` | [`tool`] | [`tool::ToolLine::apply`] | |
 //!
 //! Each takes the whole [`Output`](trirrr_service::Output) of a tick and neither waits nor panics. A drive that
-//! fails gives a [`Failure`], to be latched by [`Foreground::raise`](trirrr_service::Foreground::raise). While
+//! fails gives a [`Failure`], to be latched by [`Foreground::raise`](trirrr_service::board::Foreground::raise). While
 //! the output is not enabled, drives are off.
 //!
 //! The arithmetic has no pin, no timer and no device:

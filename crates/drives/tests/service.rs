@@ -13,7 +13,9 @@ use trirrr_drives::stepper::{Axis, Line, Slots, Steppers, slots_per_tick};
 use trirrr_drives::{Active, Enable};
 use trirrr_protocol::message::{Command, DriveFault, FaultCode, Move, Recovery, Reply, State};
 use trirrr_scene::Scene;
-use trirrr_service::{Adjustable, Channels, CommandOf, Ramp, Service, Settings};
+use trirrr_service::board::CommandOf;
+use trirrr_service::pace::Ramp;
+use trirrr_service::{Adjustable, Channels, Service, Settings};
 
 type Scalar = f32;
 type SceneChannels = Channels<Adjustable<Dynamic<Scalar>>, 4, 4>;

@@ -12,8 +12,8 @@ use trirrr_core::setpoint::{Ends, Pose, Quintics, Segment, Setpoint};
 use trirrr_plan::cell::Planner;
 use trirrr_plan::course::{Effort, PathPiece, plan};
 use trirrr_plan::piece::Piece;
-use trirrr_service::Ramp;
 use trirrr_service::admission::{Path, Retarget, Retargeted};
+use trirrr_service::pace::Ramp;
 
 type Machine = Dynamic<f64>;
 

@@ -20,8 +20,8 @@ use trirrr_plan::corner::round_corners;
 use trirrr_plan::course::{Effort, PathPiece, plan};
 use trirrr_plan::piece::Piece;
 use trirrr_plan::window::{Outlook, Window, WindowPiece, WindowSettings};
-use trirrr_service::Ramp;
 use trirrr_service::admission::Path;
+use trirrr_service::pace::Ramp;
 
 const LINES: usize = 1000;
 const CORNER_M: f64 = 1e-5;

@@ -35,10 +35,10 @@ use trirrr_core::setpoint::Setpoint;
 use trirrr_core::status::Status;
 use trirrr_core::torque::lines::DistalLines;
 #[cfg(feature = "std")]
-use trirrr_service::Ramp;
-#[cfg(feature = "std")]
 use trirrr_service::admission::AngleModel;
 use trirrr_service::admission::{Enclose, Path, TaylorModel};
+#[cfg(feature = "std")]
+use trirrr_service::pace::Ramp;
 
 /// Part of a limit that the value at rest may take.
 const STANDING: f64 = 0.999_999;

@@ -1,7 +1,7 @@
 //! `[service] autonomous`: a board that plays the job of its scene by itself.
 
 use crate::read::Section;
-use trirrr_service::{FOREVER, JobStart};
+use trirrr_service::features::{FOREVER, JobStart};
 
 /// Start of the job of a board without a host.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -3,7 +3,8 @@
 use crate::drive::{CanProtocol, Drive, DriveKind};
 use crate::number_type::NumberType;
 use crate::read::{Bound, Section};
-use trirrr_service::{ContactParameters, StopCategory};
+use trirrr_service::StopCategory;
+use trirrr_service::features::ContactParameters;
 
 /// Bandwidth of the observer where the scene does not say, Hz.
 const BANDWIDTH_HZ: f64 = 20.0;

@@ -1,7 +1,7 @@
 //! `[feedback]`: limits of the watch over drives that tell where they are.
 
 use crate::read::{Bound, Section};
-use trirrr_service::FeedbackParameters;
+use trirrr_service::features::FeedbackParameters;
 
 /// Longest time that a scene may give, s.
 const LONGEST_S: f64 = 10.0;

@@ -4,7 +4,7 @@ use crate::drive::{Drive, DriveKind};
 use crate::read::{Bound, Place, Section};
 use core::f64::consts::{PI, TAU};
 use trirrr_core::limits::LimitParameters as Limits;
-use trirrr_service::{Contact, HomingMotor};
+use trirrr_service::features::{Contact, HomingMotor};
 
 /// Longest time that an input may take to settle, s.
 const LONGEST_DEBOUNCE_S: f64 = 1.0;

@@ -10,7 +10,7 @@ use trirrr_core::forward::{Forward, Track, Tracker};
 use trirrr_core::machine::Geometry;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::singularity::Distances;
-use trirrr_service::{Contact, HomingMotor};
+use trirrr_service::features::{Contact, HomingMotor};
 
 /// Longest way of a motor between two looks, rad.
 const STEP_RAD: f64 = 0.01;

@@ -2,9 +2,9 @@
 
 use crate::homing::PlacedHoming;
 use crate::read::{Bound, Section};
-use trirrr_service::{
+use trirrr_service::StopCategory;
+use trirrr_service::features::{
     ButtonInput, Contact, Door, EmergencyStop, InterlockParameters, LimitInputs, ProbeInput,
-    StopCategory,
 };
 
 /// Longest time for which a contact may bounce, s.

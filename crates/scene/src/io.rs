@@ -2,7 +2,7 @@
 
 use crate::inputs::{NormalContact, read_contact_ticks, read_normal_contact};
 use crate::read::Section;
-use trirrr_service::DigitalParameters;
+use trirrr_service::features::DigitalParameters;
 
 /// Most outputs of a scene, and most inputs.
 const MOST_PINS: usize = trirrr_protocol::message::DIGITAL;

@@ -7,7 +7,9 @@ use crate::offer;
 use crate::read::{Place, Section};
 use crate::settings::settings;
 use trirrr_core::setpoint::Quintics;
-use trirrr_service::{JobStart, QueuedMove, ServiceNumber, StopCategory};
+use trirrr_service::board::QueuedMove;
+use trirrr_service::features::JobStart;
+use trirrr_service::{ServiceNumber, StopCategory};
 
 /// Most moves of a job with all its passes.
 const MOST_UNROLLED: usize = 100_000;

@@ -11,9 +11,8 @@ use trirrr_core::units::Units;
 use trirrr_plan::window::WindowSettings;
 use trirrr_protocol::message::{AngleReference, Board, Firmware, Message, Request, Transmit};
 use trirrr_protocol::wire::schema;
-use trirrr_service::{
-    Contact, HomingMotor, HomingParameters, HomingTimes, Planning, SceneIdentity, Settings, name,
-};
+use trirrr_service::features::{Contact, HomingMotor, HomingParameters, HomingTimes, Planning};
+use trirrr_service::{SceneIdentity, Settings, name};
 
 /// Shortest time of a move that a machine plans itself, s. The motion is smoothed over twice as much: a shorter one leaves
 /// curves less, a longer one has less noise of rounding.

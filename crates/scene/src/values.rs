@@ -6,7 +6,8 @@ use crate::settings::settings;
 use trirrr_core::status::Status;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::Transmit;
-use trirrr_service::{SceneValues, Settings, StepperValues};
+use trirrr_service::Settings;
+use trirrr_service::coefficients::{SceneValues, StepperValues};
 
 /// Values of `scene` for an image in the number type `N`, in `units`: those that its own image would have as constants.
 ///

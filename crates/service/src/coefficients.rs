@@ -11,6 +11,11 @@ use trirrr_core::singularity::Distances;
 use trirrr_core::tick::Tick;
 use trirrr_core::to_source;
 
+pub use crate::contact::ContactCoefficients;
+pub use crate::feedback::FeedbackCoefficients;
+pub use crate::homing::HomingCoefficients;
+pub use crate::scene::{SceneValues, StepperValues, needs_of_model};
+
 /// The coefficients of all that a service computes, in its number type: plain numbers, so that
 /// whoever builds an image can build them too and write them as constants.
 #[derive(Clone, Copy, Debug)]
@@ -25,7 +30,7 @@ pub struct Coefficients<M: Model<N: Enclose>> {
     pub(crate) path: Path<M>,
 }
 
-to_source!([M: Model<N: Enclose>] Coefficients [M] in trirrr_service {
+to_source!([M: Model<N: Enclose>] Coefficients [M] in trirrr_service::coefficients {
     tick: Tick<M>,
     limits: Limits<M::N>,
     distances: Distances<M::N>,

@@ -40,7 +40,7 @@ pub struct QueuedMove<N: Number, K: CurveKind> {
     pub(super) generation: u8,
 }
 
-to_source!([N: Number, K: CurveKind] QueuedMove [N, K] in trirrr_service {
+to_source!([N: Number, K: CurveKind] QueuedMove [N, K] in trirrr_service::board {
     segment: Segment<N, K>,
     ticks: u32,
     number: u32,
@@ -123,7 +123,7 @@ pub struct Recover<N: Number> {
     pub(super) to: Pose<N>,
 }
 
-to_source!([N: Number] Recover [N] in trirrr_service { path: JointMove<N>, to: Pose<N> });
+to_source!([N: Number] Recover [N] in trirrr_service::board { path: JointMove<N>, to: Pose<N> });
 
 /// State of the tick, after something changed.
 pub(super) struct TickReport<S: Scene> {

@@ -1,8 +1,8 @@
 //! The service between a host and the motors: it takes commands, checks every move before it starts,
 //! runs them without a missed tick, stops in a defined way, and reports what it does.
 //!
-//! No device, no clock: whoever owns it calls [`Foreground::tick`] once per tick from the highest
-//! priority that there is, and hands to [`Background`] what the line brings. The two halves are
+//! No device, no clock: whoever owns it calls [`Foreground::tick`](board::Foreground::tick) once per tick from the highest
+//! priority that there is, and hands to [`Background`](board::Background) what the line brings. The two halves are
 //! joined by queues with one end each ([`Channels`]): neither waits for the other, neither locks,
 //! neither allocates. `docs/service.md` has states, commands, faults and times.
 //!
@@ -36,7 +36,7 @@ extern crate std;
 pub mod admission;
 mod background;
 mod channels;
-mod coefficients;
+pub mod coefficients;
 mod contact;
 mod curves;
 mod digital;
@@ -52,7 +52,7 @@ mod levels;
 mod number;
 mod offered;
 mod own_job;
-mod pace;
+pub mod pace;
 mod planner;
 mod queue;
 mod retreat;
@@ -65,37 +65,42 @@ mod stop;
 mod tests;
 mod tool;
 
-pub use background::{Background, check_offer, longest_move};
 pub use channels::{Channels, ServiceError};
-pub use coefficients::Coefficients;
-pub use contact::{
-    ContactCoefficients, ContactModel, ContactObserver, ContactParameters, ContactThresholds,
-    Deviation,
-};
-pub use curves::PlayedCurves;
-pub use digital::DigitalParameters;
-pub use feature::{ChannelMemory, Feature, On, Optional, Present};
-pub use feedback::{FeedbackCoefficients, FeedbackParameters, Readings, WatchLimits};
-pub use foreground::{Foreground, Output, Power};
-pub use handoff::{QueuedMove, Recover};
-pub use homing::{
-    Contact, HomingAxis, HomingCoefficients, HomingMotor, HomingParameters, HomingTimes,
-};
-pub use interlock::{
-    ButtonInput, Door, EmergencyStop, InterlockParameters, InterlockReadings, LimitInputs,
-    ProbeInput, input_bits,
-};
-pub use levels::check_levels;
+pub use foreground::{Output, Power};
 pub use number::ServiceNumber;
-pub use own_job::{FOREVER, JobStart, OwnHoming, OwnJob, OwnJobParts};
-pub use pace::{MovePaces, Pace, Ramp};
-pub use planner::{PathPlanner, PathStep, Planning};
-pub use scene::{
-    Adjustable, CommandOf, Compiled, CurvesOf, ImageSlot, Machine, ModelOf, NoImage, PartOf, Parts,
-    RequestOf, Scene, SceneParts, SceneValues, StepperValues, check_image, command_of,
-    needs_of_model,
-};
+pub use scene::{Adjustable, Machine, Parts, Scene, SceneParts};
 pub use service::{Played, Service};
 pub use settings::{PowerTimes, Reactions, SceneIdentity, Settings, StopCategory, key, name};
-pub use stop::{PacedMove, PathPlace, StopJob, Stops};
 pub use tool::Tool;
+
+#[cfg(test)]
+use crate::{board::*, coefficients::*, features::*, pace::*};
+
+/// The two halves of a service, for a board that gives each its own priority, and what passes between them.
+pub mod board {
+    pub use crate::background::Background;
+    pub use crate::feedback::Readings;
+    pub use crate::foreground::Foreground;
+    pub use crate::handoff::{QueuedMove, Recover};
+    pub use crate::interlock::InterlockReadings;
+    pub use crate::scene::{CommandOf, Compiled, CurvesOf, ModelOf, PartOf, RequestOf, command_of};
+}
+
+/// What a scene may have or lack, and the parameters of each.
+pub mod features {
+    pub use crate::contact::{
+        ContactModel, ContactObserver, ContactParameters, ContactThresholds, Deviation,
+    };
+    pub use crate::curves::PlayedCurves;
+    pub use crate::digital::DigitalParameters;
+    pub use crate::feature::{ChannelMemory, Feature, On, Optional, Present};
+    pub use crate::feedback::{FeedbackParameters, WatchLimits};
+    pub use crate::homing::{Contact, HomingAxis, HomingMotor, HomingParameters, HomingTimes};
+    pub use crate::interlock::{
+        ButtonInput, Door, EmergencyStop, InterlockParameters, LimitInputs, ProbeInput, input_bits,
+    };
+    pub use crate::levels::check_levels;
+    pub use crate::own_job::{FOREVER, JobStart, OwnHoming, OwnJob, OwnJobParts};
+    pub use crate::planner::{PathPlanner, PathStep, Planning};
+    pub use crate::scene::{ImageSlot, NoImage, check_image};
+}

@@ -1,7 +1,7 @@
 //! Rates at which the pace along a path may change, and the room that they leave to stop in.
 //!
 //! The pace is the speed along the path in parts of normal speed, u. It changes by whole levels, of which
-//! [`FULL`] make up the most that it changes by within a tick. The admission proves for each part of a move the
+//! `FULL` make up the most that it changes by within a tick. The admission proves for each part of a move the
 //! greatest rates that keep the limits, those of slowing down and of speeding up, at rest and at normal speed.
 //!
 //! With x = u^2, a way s along the path at the rate j lowers x by 2 j s. So whoever slows down at each part's own rate
@@ -11,6 +11,9 @@
 use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 use trirrr_core::to_source;
+
+pub use crate::background::{check_offer, longest_move};
+pub use crate::stop::{PacedMove, PathPlace, StopJob, Stops};
 
 /// Levels by which the pace changes at most from one tick to the next.
 pub(crate) const FULL: u8 = Pace::LEVELS;
@@ -31,7 +34,7 @@ pub struct Pace {
     pub faster: [u8; 2],
 }
 
-to_source!([] Pace [] in trirrr_service {
+to_source!([] Pace [] in trirrr_service::pace {
     slower: [u8; 2],
     faster: [u8; 2],
 });
@@ -80,7 +83,7 @@ pub struct Ramp {
     pub least: Pace,
 }
 
-to_source!([] Ramp [] in trirrr_service {
+to_source!([] Ramp [] in trirrr_service::pace {
     ticks: u16,
     least: Pace,
 });
@@ -125,7 +128,7 @@ pub struct MovePaces {
     parts: [Pace; PARTS as usize],
 }
 
-to_source!([] MovePaces [] in trirrr_service { parts: [Pace; PARTS as usize] });
+to_source!([] MovePaces [] in trirrr_service::pace { parts: [Pace; PARTS as usize] });
 
 impl MovePaces {
     /// Whatever the ramp allows.

@@ -33,7 +33,7 @@ pub struct Planning<N: Number> {
     pub hold_rate: N,
 }
 
-to_source!(pub [N: Number] Planning [N] in trirrr_service {
+to_source!(pub [N: Number] Planning [N] in trirrr_service::features {
     period,
     step,
     ticks,

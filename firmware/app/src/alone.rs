@@ -7,7 +7,8 @@ use crate::inputs::{Angle, Closed};
 use crate::scene::{self, Curves, Model, Scalar};
 use core::marker::PhantomData;
 use trirrr_protocol::message::{Board, FaultCode, Firmware};
-use trirrr_service::{Compiled, OwnJob, OwnJobParts};
+use trirrr_service::board::Compiled;
+use trirrr_service::features::{OwnJob, OwnJobParts};
 
 trirrr_service::scene! {
     /// Scene of this image.
@@ -17,8 +18,11 @@ trirrr_service::scene! {
 }
 
 /// The tick, with the job of the scene.
-pub(crate) type LoneForeground =
-    trirrr_service::Foreground<'static, ImageScene, OwnJob<'static, ImageScene, { scene::PACED }>>;
+pub(crate) type LoneForeground = trirrr_service::board::Foreground<
+    'static,
+    ImageScene,
+    OwnJob<'static, ImageScene, { scene::PACED }>,
+>;
 
 /// Plays a tick.
 // A call: here it is compiled for size. The flash of a small board is worth more than the time, which is proven by the watch over the tick.

@@ -12,7 +12,7 @@ use heapless::spsc::Consumer;
 use trirrr_protocol::message::Event;
 #[cfg(update)]
 use trirrr_protocol::message::Reply;
-use trirrr_service::Feature;
+use trirrr_service::features::Feature;
 
 /// Messages between two slices, at the most: as many as samples wait.
 const MESSAGES: usize = 8;

@@ -5,7 +5,8 @@ use core::convert::Infallible;
 use embedded_hal::digital::InputPin;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::tick::Motor;
-use trirrr_service::{Feature, InterlockReadings, Optional};
+use trirrr_service::board::InterlockReadings;
+use trirrr_service::features::{Feature, Optional};
 
 /// Joint angle in the scene's number type.
 pub type Angle = <Scalar as Arithmetic>::Angle;

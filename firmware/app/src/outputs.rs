@@ -14,7 +14,7 @@ use trirrr_drives::{Failure, ObeyingDrives};
 use trirrr_protocol::message::{DriveReading, State};
 
 /// Content of what the drives tell in a tick.
-pub type Readings = trirrr_service::Readings<Scalar>;
+pub type Readings = trirrr_service::board::Readings<Scalar>;
 
 /// Output of a tick.
 pub type Output = trirrr_service::Output<Scalar>;

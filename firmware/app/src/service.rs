@@ -5,7 +5,9 @@ use crate::log_start::log_start;
 use crate::scene::{self, Curves, LEVELS, Model, Planner, Scalar};
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{self, Board, FaultCode, Firmware};
-use trirrr_service::{Feature, PartOf, SceneParts, Settings};
+use trirrr_service::board::PartOf;
+use trirrr_service::features::Feature;
+use trirrr_service::{SceneParts, Settings};
 
 #[cfg(contact_refused)]
 compile_error!(
@@ -26,7 +28,7 @@ const SAMPLES: usize = 8;
 
 /// Machine with its limits: a client may change them, or the coefficients are in the image.
 #[cfg(not(adjustable))]
-pub(crate) type Machine = trirrr_service::Compiled<'static, Model, Curves, Planner>;
+pub(crate) type Machine = trirrr_service::board::Compiled<'static, Model, Curves, Planner>;
 #[cfg(adjustable)]
 pub(crate) type Machine = trirrr_service::Adjustable<Model, Curves, Planner>;
 
@@ -58,10 +60,10 @@ type ScenePart = PartOf<ImageScene>;
 pub type Channels = trirrr_service::Channels<ImageScene, MOVES, SAMPLES, LEVELS>;
 
 /// Half that ticks.
-pub(crate) type SceneForeground = trirrr_service::Foreground<'static, ImageScene>;
+pub(crate) type SceneForeground = trirrr_service::board::Foreground<'static, ImageScene>;
 
 /// Half that talks.
-pub(crate) type SceneBackground = trirrr_service::Background<'static, ImageScene>;
+pub(crate) type SceneBackground = trirrr_service::board::Background<'static, ImageScene>;
 
 /// Message to the host.
 pub(crate) type Message = message::Message<Scalar, ScenePart>;
@@ -70,7 +72,7 @@ pub(crate) type Message = message::Message<Scalar, ScenePart>;
 pub(crate) type MessageRef<'m> = message::MessageRef<'m, Scalar, ScenePart>;
 
 /// Request of the host.
-pub(crate) type Request = trirrr_service::RequestOf<ImageScene>;
+pub(crate) type Request = trirrr_service::board::RequestOf<ImageScene>;
 
 /// Plays a tick: for speed, in the board's crate.
 #[inline(always)]

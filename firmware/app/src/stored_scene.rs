@@ -16,8 +16,10 @@ use trirrr_core::number::WideArithmetic as _;
 use trirrr_drives::stepper::StepsPerTurn;
 use trirrr_protocol::message::{SceneHeader, SceneRoom, UpdateRefusal};
 use trirrr_protocol::wire::of_bytes;
-use trirrr_service::{ContactCoefficients, Feature, FeedbackCoefficients, HomingCoefficients};
-use trirrr_service::{SceneParts, SceneValues, Settings};
+use trirrr_service::coefficients::SceneValues;
+use trirrr_service::coefficients::{ContactCoefficients, FeedbackCoefficients, HomingCoefficients};
+use trirrr_service::features::Feature;
+use trirrr_service::{SceneParts, Settings};
 
 /// Room for the values of a scene.
 pub(crate) const ROOM: SceneRoom = SceneRoom {

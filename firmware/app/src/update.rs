@@ -14,7 +14,7 @@ use trirrr_boot::{
 use trirrr_protocol::message::{
     Firmware, ImageHeader, SceneHeader, UpdateOutcome, UpdateRefusal, UpdateStatus, UpdateStep,
 };
-use trirrr_service::{ImageSlot, check_image};
+use trirrr_service::features::{ImageSlot, check_image};
 
 /// Ticks from the answer to a restart until it: all answers are out.
 const RESTART_TICKS: u32 = (TICK_RATE_HZ / 10.0) as u32 + 1;

@@ -61,7 +61,7 @@ pub fn units(scene: &Scene, scalar: &str) -> Result<Units, RangeError> {
 /// `SCENE` names the scene, as a path relative to `root`; the default is `scenes/thesis.toml`. `TRIRRR_SCALAR`
 /// names the number type; the default is the scene's own, with `f32` for `f64`, which is for hosts.
 ///
-/// The file names the [features](trirrr_service::Feature) of the scene as types. Sets as `cfg`s what source depends on beside them:
+/// The file names the [features](trirrr_service::features::Feature) of the scene as types. Sets as `cfg`s what source depends on beside them:
 /// `drive = "..."` and `tool = "..."`, the kinds of drives and tool; `homing`, `brake`, `lamp`, `digital`; `autonomous` for one without a host; `update` for a program that may
 /// be replaced over the line, `scene_over_line` for one that takes other scenes, `adjustable` for one that clients may change. A package
 /// with a `links` key hands them on to the build scripts of its dependents, with the [needs](Needs) of the scene. Cargo warns of

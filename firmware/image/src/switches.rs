@@ -2,7 +2,7 @@
 
 use trirrr_core::number::Number;
 use trirrr_core::tick::Motor;
-use trirrr_service::HomingCoefficients;
+use trirrr_service::coefficients::HomingCoefficients;
 
 /// True minus counted angle of each motor at the start, rad: different, of both signs, and within the travel of
 /// any scene.
@@ -48,7 +48,7 @@ impl<'a, N: Number> RuledSwitches<'a, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use trirrr_service::{Contact, HomingMotor, HomingParameters, HomingTimes};
+    use trirrr_service::features::{Contact, HomingMotor, HomingParameters, HomingTimes};
 
     fn coefficients() -> HomingCoefficients<f64> {
         let motor = |angle_rad, positive| HomingMotor {

@@ -6,7 +6,7 @@ use std::io::{self, BufRead};
 use std::str::FromStr;
 use std::sync::mpsc::{Receiver, channel};
 use trirrr_scene::Scene;
-use trirrr_service::InterlockReadings;
+use trirrr_service::board::InterlockReadings;
 
 /// An input of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -6,7 +6,7 @@ use trirrr_core::number::Number;
 use trirrr_core::tick::Motor;
 use trirrr_protocol::message::DriveReading;
 use trirrr_scene::{DriveKind, Homing, Scene};
-use trirrr_service::Contact;
+use trirrr_service::features::Contact;
 
 /// The joint angles that motors are commanded to, rad.
 pub(super) fn angles<N: Number>(motors: &[Motor<N>; 3]) -> [f64; 3] {

@@ -12,7 +12,7 @@ use trirrr_grbl::{Dialect, MachineFacts};
 use trirrr_jobs::{gcode_job, job_scene};
 use trirrr_protocol::message::{Message, Request, State};
 use trirrr_scene::Scene;
-use trirrr_service::InterlockReadings;
+use trirrr_service::board::InterlockReadings;
 
 /// Longest way of a frame, ticks.
 pub(super) const LATENCY: usize = 5;

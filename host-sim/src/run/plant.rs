@@ -18,7 +18,8 @@ use trirrr_plant::table::{COLUMNS, Row};
 use trirrr_plant::{Outcome, PlantEnd, PlantRun};
 use trirrr_protocol::message::{Telemetry, Transmit};
 use trirrr_scene::Scene;
-use trirrr_service::{Output, Power, Readings};
+use trirrr_service::board::Readings;
+use trirrr_service::{Output, Power};
 
 /// Result of a plant: its outcome, and the files written.
 #[derive(Clone, Debug)]

@@ -13,7 +13,8 @@ use trirrr_client::JobFailure;
 use trirrr_client::runner::{JobPart, JobRunner, PlayedTick};
 use trirrr_drives::ObeyingDrives;
 use trirrr_protocol::message::State;
-use trirrr_service::{Output, Readings, ServiceNumber};
+use trirrr_service::board::Readings;
+use trirrr_service::{Output, ServiceNumber};
 
 /// Machine whose service hears the drives of the plant, in one thread with it.
 pub(super) struct ClosedLoop<'p, 'l, N: ServiceNumber> {

@@ -14,7 +14,7 @@ use trirrr_protocol::message::{
 use trirrr_scene::Scene;
 use trirrr_scene::offer;
 use trirrr_scene::pipeline::{self, Pipeline};
-use trirrr_service::HomingCoefficients;
+use trirrr_service::coefficients::HomingCoefficients;
 
 /// Ticks after which the host's own machine is taken for one that does not come to an end.
 const LONGEST: usize = 1_000_000;

@@ -9,7 +9,9 @@ use trirrr_core::machine::Parameters;
 use trirrr_core::number::WideArithmetic;
 use trirrr_core::units::Units;
 use trirrr_protocol::message::scene::Section;
-use trirrr_service::{Coefficients, Feature, Parts, PathPlanner, PlayedCurves, name};
+use trirrr_service::coefficients::Coefficients;
+use trirrr_service::features::{Feature, PathPlanner, PlayedCurves};
+use trirrr_service::{Parts, name};
 
 /// What the parts say, in `units`: all that there is to say of `any` machine.
 fn in_units(parts: &Parts, units: &Units, any: &Parameters) -> (Parameters, LimitParameters) {

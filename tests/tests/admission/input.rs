@@ -5,8 +5,8 @@ use crate::thesis_move;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Bounded, Move};
-use trirrr_service::Ramp;
 use trirrr_service::admission::Enclose;
+use trirrr_service::pace::Ramp;
 use trirrr_tests::machines::thesis;
 
 fn setting() -> Setting {

@@ -8,8 +8,8 @@ use trirrr_core::limits::LimitParameters;
 use trirrr_core::number::Fixed;
 use trirrr_protocol::message::{AnyMove, Bounded};
 use trirrr_scene::{Scene, offer, units};
-use trirrr_service::Ramp;
 use trirrr_service::ServiceNumber;
+use trirrr_service::pace::Ramp;
 
 fn scenes() -> Vec<Scene> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");

@@ -10,8 +10,9 @@ use trirrr_plan::cell::Planner;
 use trirrr_plan::course::{Effort, plan};
 use trirrr_protocol::message::{AnyMove, Move};
 use trirrr_scene::{NumberType, Scene, offer};
+use trirrr_service::ServiceNumber;
 use trirrr_service::admission::{Admission, Verdict};
-use trirrr_service::{ServiceNumber, check_offer, longest_move};
+use trirrr_service::pace::{check_offer, longest_move};
 use trirrr_tests::instant::{Instant, QuinticEnds, State, jerks};
 
 /// Chords of each piece that a motion is compared with.

@@ -15,7 +15,7 @@ use trirrr_protocol::message::{
     Acting, AnyMove, Command, InputState, Message, Move, Request, State, Telemetry,
 };
 use trirrr_scene::{JobLevels, Scene};
-use trirrr_service::InterlockReadings;
+use trirrr_service::board::InterlockReadings;
 
 const TICK_RATE_HZ: f64 = 1000.0;
 

@@ -19,8 +19,8 @@ use trirrr_core::tick::Tick;
 use trirrr_protocol::message::{
     AnyMove, Command, Cut, Goal, Message, Move, QuinticMove, Reply, Request, State, Status,
 };
-use trirrr_service::Ramp;
 use trirrr_service::admission::{Path, Retarget, RetargetTask, Retargeted};
+use trirrr_service::pace::Ramp;
 use trirrr_tests::instant::{Instant, State as PlatformState};
 
 /// Of 100 frames, how many are damaged.

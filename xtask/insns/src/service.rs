@@ -7,9 +7,9 @@ use crate::scene::{
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_protocol::message::{AnyMove, Move, Reply};
-use trirrr_service::{
-    Background, Channels, CommandOf, Compiled, Feature, Foreground, PartOf, SceneParts, Settings,
-};
+use trirrr_service::board::{Background, CommandOf, Compiled, Foreground, PartOf};
+use trirrr_service::features::Feature;
+use trirrr_service::{Channels, SceneParts, Settings};
 
 /// Feedback that is counted: of drives in the MIT mode no answers are imitated.
 #[cfg(drive = "odrive")]

@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 use trirrr_image::generate::of_scene;
 use trirrr_scene::Scene;
-use trirrr_service::Contact;
+use trirrr_service::features::Contact;
 
 /// Most instructions that a tick may take on the board in f32, for service and drives. The count
 /// runs from when the tick was due until its outputs stood. A tick that is due while the background masks interrupts, to hand

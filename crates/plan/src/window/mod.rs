@@ -26,8 +26,8 @@ pub use planner::{ServicePlanner, ToolSetting};
 use trirrr_core::model::Model;
 use trirrr_core::number::{Arithmetic, Number};
 use trirrr_core::setpoint::{Ends, Pose, Quintics, Setpoint};
-use trirrr_service::Planning;
 use trirrr_service::admission::{Enclose, Path};
+use trirrr_service::features::Planning;
 
 /// Most samples of the motion at a time.
 const SAMPLES: usize = 40;

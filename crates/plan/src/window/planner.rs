@@ -8,8 +8,9 @@ use trirrr_core::model::Model;
 use trirrr_core::number::Arithmetic;
 use trirrr_core::setpoint::{Ends, Pose};
 use trirrr_protocol::message::{Bounded, Move, PathCurve, PathPiece, QuinticMove, Violation};
+use trirrr_service::ServiceNumber;
 use trirrr_service::admission::{Enclose, Path};
-use trirrr_service::{PathPlanner, PathStep, Planning, ServiceNumber};
+use trirrr_service::features::{PathPlanner, PathStep, Planning};
 
 /// Power and speed of the tool, as in a move.
 #[derive(Clone, Copy, Debug, PartialEq)]

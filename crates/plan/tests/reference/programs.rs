@@ -18,8 +18,10 @@ use trirrr_plan::course::PathPiece as CoursePiece;
 use trirrr_plan::piece::{Piece, PlaneCurve};
 use trirrr_plan::window::{ServicePlanner, WindowSettings};
 use trirrr_protocol::message::{AnyMove, PathCurve, PathPiece};
+use trirrr_service::ServiceNumber;
 use trirrr_service::admission::{Admission, Enclose, Path, Verdict};
-use trirrr_service::{PathPlanner, PathStep, Ramp, ServiceNumber};
+use trirrr_service::features::{PathPlanner, PathStep};
+use trirrr_service::pace::Ramp;
 
 type WithLinks<N> = Dynamic<N, Centred<N>, Massive<N, Horizontal>>;
 type WithoutLinks<N> = Dynamic<N, Centred<N>, Massless>;

@@ -13,10 +13,11 @@ use trirrr_core::units::Units;
 use trirrr_plant::loop_drives::SimulatedLoops;
 use trirrr_protocol::message::{Command, DriveFault, FaultCode, NotEnabled, Reply, State};
 use trirrr_scene::Scene;
-use trirrr_service::{
-    Adjustable, Channels, Contact, FeedbackCoefficients, FeedbackParameters, HomingCoefficients,
-    HomingMotor, HomingParameters, HomingTimes, NoImage, On, SceneParts, Settings, scene,
+use trirrr_service::coefficients::{FeedbackCoefficients, HomingCoefficients};
+use trirrr_service::features::{
+    Contact, FeedbackParameters, HomingMotor, HomingParameters, HomingTimes, NoImage, On,
 };
+use trirrr_service::{Adjustable, Channels, SceneParts, Settings, scene};
 
 scene! {
     /// The thesis machine with homing and feedback.

@@ -8,10 +8,9 @@ use trirrr_core::model::Dynamic;
 use trirrr_core::setpoint::Pose;
 use trirrr_drives::can::Odrive;
 use trirrr_protocol::message::{Command, DriveFault, FaultCode, NotEnabled, Reply, State};
-use trirrr_service::{
-    Adjustable, Channels, FeedbackCoefficients, FeedbackParameters, On, Power, SceneParts, Service,
-    Settings, scene,
-};
+use trirrr_service::coefficients::FeedbackCoefficients;
+use trirrr_service::features::{FeedbackParameters, On};
+use trirrr_service::{Adjustable, Channels, Power, SceneParts, Service, Settings, scene};
 
 scene! {
     /// The thesis machine, whose drives tell where they are.

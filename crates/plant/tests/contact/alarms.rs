@@ -31,7 +31,7 @@ fn noise_is_no_contact_for_ten_million_ticks() {
 fn friction_is_no_contact() {
     let rubbing = |known: f64| Setup {
         coulomb: 0.1,
-        contact: trirrr_service::ContactParameters {
+        contact: trirrr_service::features::ContactParameters {
             coulomb_nm: [known; 3],
             ..detection(1.0, 20.0, 2)
         },

@@ -13,10 +13,13 @@ use trirrr_plant::mechanics::{JointMoments, Mechanics};
 use trirrr_protocol::message::{
     Command, DriveReading, DriveState, Fault, Move, QuinticMove, Reply, State,
 };
+use trirrr_service::board::CommandOf;
+use trirrr_service::coefficients::{ContactCoefficients, FeedbackCoefficients};
+use trirrr_service::features::{
+    ContactModel, ContactObserver, ContactParameters, FeedbackParameters, On,
+};
 use trirrr_service::{
-    Adjustable, Channels, CommandOf, ContactCoefficients, ContactModel, ContactObserver,
-    ContactParameters, FeedbackCoefficients, FeedbackParameters, On, Output, Power, SceneParts,
-    Service, Settings, StopCategory, scene,
+    Adjustable, Channels, Output, Power, SceneParts, Service, Settings, StopCategory, scene,
 };
 
 type Links = Dynamic<f32, Centred<f32>, Massive<f32, Horizontal>>;

@@ -5,7 +5,7 @@ use crate::bench::{Bench, COARSE, FINE, Setup, detection};
 /// Mean of the estimate over a while, some time after the push began.
 fn estimated(setup: Setup, push: [f64; 3], moves: bool) -> [f64; 3] {
     let setup = Setup {
-        contact: trirrr_service::ContactParameters {
+        contact: trirrr_service::features::ContactParameters {
             torque_nm: 1e3,
             ..detection(1e3, setup.contact.bandwidth_hz, 1)
         },

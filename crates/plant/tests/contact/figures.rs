@@ -49,7 +49,7 @@ fn times_against_forces_and_thresholds() {
                 if force <= 1.3 * threshold {
                     continue;
                 }
-                let contact = trirrr_service::ContactParameters {
+                let contact = trirrr_service::features::ContactParameters {
                     force_n: threshold,
                     ..setup.contact
                 };

@@ -3,7 +3,7 @@
 use crate::common::problems;
 use trirrr_core::number::Fixed;
 use trirrr_scene::{Autonomous, Scene};
-use trirrr_service::{ButtonInput, FOREVER, JobStart};
+use trirrr_service::features::{ButtonInput, FOREVER, JobStart};
 
 const ALONE: &str = include_str!("../../../../scenes/autonomous/thesis-alone.toml");
 const THESIS: &str = include_str!("../../../../scenes/thesis.toml");

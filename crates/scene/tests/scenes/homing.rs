@@ -3,7 +3,7 @@
 use crate::common::{edit, problems};
 use trirrr_core::units::Units;
 use trirrr_scene::{Knows, Scene};
-use trirrr_service::Contact;
+use trirrr_service::features::Contact;
 
 const STEPPER: &str = include_str!("../../../../scenes/pick-stepper.toml");
 

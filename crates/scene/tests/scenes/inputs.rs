@@ -2,7 +2,8 @@
 
 use crate::common::problems;
 use trirrr_scene::{InputPorts, NormalContact, Scene};
-use trirrr_service::{Door, EmergencyStop, LimitInputs, ProbeInput, StopCategory};
+use trirrr_service::StopCategory;
+use trirrr_service::features::{Door, EmergencyStop, LimitInputs, ProbeInput};
 
 const THESIS: &str = include_str!("../../../../scenes/thesis.toml");
 

@@ -69,7 +69,7 @@ pub struct ContactThresholds<N> {
     pub(crate) retreat_ticks: u32,
 }
 
-to_source!([N: Number] ContactCoefficients [N] in trirrr_service {
+to_source!([N: Number] ContactCoefficients [N] in trirrr_service::coefficients {
     weight: N,
     decay: N,
     share: N,
@@ -80,7 +80,7 @@ to_source!([N: Number] ContactCoefficients [N] in trirrr_service {
     thresholds: ContactThresholds<N>,
 });
 
-to_source!([N: Number] ContactThresholds [N] in trirrr_service {
+to_source!([N: Number] ContactThresholds [N] in trirrr_service::features {
     force_sq: N,
     moment: N,
     confirm_ticks: u16,

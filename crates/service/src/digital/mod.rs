@@ -32,7 +32,7 @@ pub struct DigitalParameters {
     pub debounce_ticks: [u16; DIGITAL],
 }
 
-to_source!(pub [] DigitalParameters [] in trirrr_service {
+to_source!(pub [] DigitalParameters [] in trirrr_service::features {
     outputs,
     in_jobs,
     inputs,

@@ -36,7 +36,7 @@ pub struct WatchLimits<N> {
     pub(crate) window_ticks: u16,
 }
 
-to_source!([N: Number] WatchLimits [N] in trirrr_service {
+to_source!([N: Number] WatchLimits [N] in trirrr_service::features {
     timeout_ticks: u16,
     enable_ticks: u16,
     still: N,
@@ -56,7 +56,7 @@ pub struct FeedbackCoefficients<N: Number> {
     pub(crate) side: bool,
 }
 
-to_source!([N: Number] FeedbackCoefficients [N] in trirrr_service {
+to_source!([N: Number] FeedbackCoefficients [N] in trirrr_service::coefficients {
     watch: WatchLimits<N>,
     forward: Forward<N>,
     start: Pose<N>,

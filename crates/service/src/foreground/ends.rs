@@ -10,7 +10,7 @@ use crate::scene::{CurvesOf, QuinticsOf, Scene};
 use trirrr_core::setpoint::Setpoint;
 use trirrr_protocol::message::{Fault, Telemetry};
 
-/// Ends of a tick of the scene `S`: [those of a background](ForegroundEnds), or [a job of its own](crate::OwnJob). A type, so that a
+/// Ends of a tick of the scene `S`: [those of a background](ForegroundEnds), or [a job of its own](crate::features::OwnJob). A type, so that a
 /// tick has the code of one of them.
 pub trait TickEnds<S: Scene>: Sized {
     /// Chains of moves that take the place of what is queued.

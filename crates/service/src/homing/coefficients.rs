@@ -26,7 +26,7 @@ pub struct HomingCoefficients<N: Number> {
     pub(crate) start: Pose<N>,
 }
 
-to_source!([N: Number] HomingCoefficients [N] in trirrr_service {
+to_source!([N: Number] HomingCoefficients [N] in trirrr_service::coefficients {
     contact: Contact,
     debounce_ticks: u16,
     stall_is_fault: bool,
@@ -63,7 +63,7 @@ pub struct HomingAxis<N: Number> {
     pub(crate) slope: N,
 }
 
-to_source!([N: Number] HomingAxis [N] in trirrr_service {
+to_source!([N: Number] HomingAxis [N] in trirrr_service::features {
     stage: u8,
     contact: N::Angle,
     park: N::Angle,

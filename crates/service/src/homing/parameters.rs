@@ -19,7 +19,7 @@ pub enum Contact {
     Unfelt,
 }
 
-to_source!(pub Contact in trirrr_service: Switch, Stall, Torque, Unfelt);
+to_source!(pub Contact in trirrr_service::features: Switch, Stall, Torque, Unfelt);
 
 /// Homing of one motor. Angles in rad, rates and accelerations in the machine's unit of time.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, Schema)]
@@ -75,7 +75,7 @@ pub struct HomingTimes {
     pub to_start: u32,
 }
 
-to_source!(pub [] HomingTimes [] in trirrr_service { search, latch, back_off, to_start });
+to_source!(pub [] HomingTimes [] in trirrr_service::features { search, latch, back_off, to_start });
 
 impl HomingTimes {
     /// The times for these motors in ticks of `period`, in the unit of time that their rates are

@@ -71,20 +71,20 @@ pub struct ButtonInput {
     pub debounce_ticks: u16,
 }
 
-to_source!(pub [] ButtonInput [] in trirrr_service { debounce_ticks });
+to_source!(pub [] ButtonInput [] in trirrr_service::features { debounce_ticks });
 
-to_source!(pub [] EmergencyStop [] in trirrr_service {
+to_source!(pub [] EmergencyStop [] in trirrr_service::features {
     debounce_ticks,
     category,
 });
 
-to_source!(pub [] Door [] in trirrr_service { debounce_ticks });
+to_source!(pub [] Door [] in trirrr_service::features { debounce_ticks });
 
-to_source!(pub [] ProbeInput [] in trirrr_service { debounce_ticks });
+to_source!(pub [] ProbeInput [] in trirrr_service::features { debounce_ticks });
 
-to_source!(pub [] LimitInputs [] in trirrr_service { debounce_ticks });
+to_source!(pub [] LimitInputs [] in trirrr_service::features { debounce_ticks });
 
-to_source!(pub [] InterlockParameters [] in trirrr_service {
+to_source!(pub [] InterlockParameters [] in trirrr_service::features {
     emergency_stop,
     door,
     probe,

@@ -45,7 +45,7 @@ pub enum JobStart {
     Power,
 }
 
-to_source!(pub JobStart in trirrr_service: Button, Power);
+to_source!(pub JobStart in trirrr_service::features: Button, Power);
 
 /// Homing, and the way from where it ends to the start of the job.
 pub type OwnHoming<'q, N> = (&'q HomingCoefficients<N>, &'q Recover<N>);

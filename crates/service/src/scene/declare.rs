@@ -1,11 +1,12 @@
 //! Declaration of a scene.
 
-/// Declares a kind of [`Scene`](crate::Scene): a machine, and the features that it has. Each is [`On`](crate::On), or a type of its
+/// Declares a kind of [`Scene`](crate::Scene): a machine, and the features that it has. Each is [`On`](crate::features::On), or a type of its
 /// own; what is not named is `()`. The order is that of this list; parameters of the kind stand in brackets, once with their
 /// bounds.
 /// ```
 /// use trirrr_core::model::{Dynamic, Model};
-/// use trirrr_service::{Adjustable, On, ServiceNumber, input_bits::DOOR, scene};
+/// use trirrr_service::{Adjustable, ServiceNumber, input_bits::DOOR, scene};
+/// use trirrr_service::features::On;
 ///
 /// scene! {
 ///     /// A machine with a door and spare outputs.

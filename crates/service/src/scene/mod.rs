@@ -165,7 +165,7 @@ pub trait Scene {
     /// Retreat after a contact.
     type Retreat: Feature;
 
-    /// Emergency stop, door and limit switches: those of its [bits](crate::input_bits).
+    /// Emergency stop, door and limit switches: those of its [bits](crate::features::input_bits).
     type Interlocks: Feature;
 
     /// Probe, of a machine with interlocks.

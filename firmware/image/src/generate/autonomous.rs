@@ -8,7 +8,9 @@ use trirrr_core::limits::Limits;
 use trirrr_core::machine::Geometry;
 use trirrr_core::setpoint::Pose;
 use trirrr_scene::{Autonomous, Scene};
-use trirrr_service::{HomingCoefficients, Recover, ServiceNumber};
+use trirrr_service::ServiceNumber;
+use trirrr_service::board::Recover;
+use trirrr_service::coefficients::HomingCoefficients;
 
 /// Writes what the tick plays by itself: its coefficients, the moves that were admitted in the number type `N`, the way from homing.
 ///
@@ -35,21 +37,25 @@ pub(super) fn write<N: ServiceNumber>(
     let moves: Vec<String> = moves.iter().map(constant).collect();
     file.global(
         "OWN_MOVES",
-        &format!("[trirrr_service::QueuedMove<Scalar, Curves>; {count}]"),
+        &format!("[trirrr_service::board::QueuedMove<Scalar, Curves>; {count}]"),
         format!("[{}]", moves.join(",\n")),
     );
     file.constant("PASSES", "u32", own.passes.to_string());
-    file.constant("BEGINS", "trirrr_service::JobStart", constant(&own.begins));
+    file.constant(
+        "BEGINS",
+        "trirrr_service::features::JobStart",
+        constant(&own.begins),
+    );
     file.constant("PACED", "bool", scene.may_slow_down().to_string());
     file.constant(
         "BUTTON",
-        "Option<trirrr_service::ButtonInput>",
+        "Option<trirrr_service::features::ButtonInput>",
         constant(&scene.inputs.button),
     );
     let interlocks = constant(&scene.inputs.interlocks);
     file.constant(
         "INTERLOCKS",
-        "trirrr_service::InterlockParameters",
+        "trirrr_service::features::InterlockParameters",
         interlocks,
     );
     let geometry = Geometry::<N>::build(machine.parameters)?;
@@ -63,8 +69,7 @@ pub(super) fn write<N: ServiceNumber>(
         "[<Scalar as trirrr_core::number::Arithmetic>::Angle; 3]",
         constant(&angles),
     );
-    let homing_type =
-        "Option<(&trirrr_service::HomingCoefficients<Scalar>, &trirrr_service::Recover<Scalar>)>";
+    let homing_type = "Option<(&trirrr_service::coefficients::HomingCoefficients<Scalar>, &trirrr_service::board::Recover<Scalar>)>";
     let Some(homing) = &scene.homing else {
         file.constant("OWN_HOMING", homing_type, "None".into());
         return Ok(());
@@ -74,7 +79,7 @@ pub(super) fn write<N: ServiceNumber>(
     let way = Recover::from_homing(&coefficients, &geometry, settings.period)?;
     file.global(
         "FROM_HOMING",
-        "trirrr_service::Recover<Scalar>",
+        "trirrr_service::board::Recover<Scalar>",
         constant(&way),
     );
     file.constant(

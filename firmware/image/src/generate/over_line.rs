@@ -6,7 +6,8 @@ use std::error::Error;
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_protocol::message::{SceneNeed, SceneTypes};
 use trirrr_scene::{Drive, DriveKind, Scene, Stepper, values};
-use trirrr_service::{SceneValues, key, needs_of_model};
+use trirrr_service::coefficients::{SceneValues, needs_of_model};
+use trirrr_service::key;
 
 /// Scene for a board that takes one over its line.
 #[derive(Clone, Debug, PartialEq)]
@@ -202,7 +203,7 @@ mod tests {
             let own: Settings<f32> = trirrr_scene::settings(&scene, &units);
             // As in the image of another scene at the same rate.
             let image = Settings {
-                ramp: trirrr_service::Ramp::fixed(1),
+                ramp: trirrr_service::pace::Ramp::fixed(1),
                 host_timeout_ticks: 1,
                 telemetry_every: 9,
                 planning: None,

@@ -12,10 +12,10 @@ use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::scene::{Section, SectionName};
 use trirrr_protocol::wire::schema::longest;
 use trirrr_scene::{NormalContact, Scene, offer};
-use trirrr_service::{
-    ContactCoefficients, FeedbackCoefficients, HomingCoefficients, SceneValues, ServiceNumber,
-    Settings, key,
+use trirrr_service::coefficients::{
+    ContactCoefficients, FeedbackCoefficients, HomingCoefficients, SceneValues,
 };
+use trirrr_service::{ServiceNumber, Settings, key};
 
 /// The whole file, for the Rust type `scalar`, in the units that it needs. Every number is written
 /// so that it is read back as the same bits.
@@ -85,7 +85,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
         &format!("{service}::Settings<Scalar>"),
         settings,
     );
-    let coefficients = format!("{service}::Coefficients<Model>");
+    let coefficients = format!("{service}::coefficients::Coefficients<Model>");
     file.global("COEFFICIENTS", &coefficients, coefficients_source);
     let (parameters_type, limits_type) = (
         "trirrr_core::machine::Parameters",
@@ -109,7 +109,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     if let Some(homing) = &scene.homing {
         let parameters = homing.parameters(scene, &units)?;
         let coefficients = HomingCoefficients::<N>::build(&parameters, period);
-        let homing_type = format!("{service}::HomingCoefficients<Scalar>");
+        let homing_type = format!("{service}::coefficients::HomingCoefficients<Scalar>");
         file.global("HOMING", &homing_type, constant(&coefficients));
     }
     let active_high = scene
@@ -139,7 +139,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
         let coefficients =
             FeedbackCoefficients::<N>::build(&feedback, parameters, &geometry, start)
                 .ok_or("the start is out of reach")?;
-        let feedback_type = format!("{service}::FeedbackCoefficients<Scalar>");
+        let feedback_type = format!("{service}::coefficients::FeedbackCoefficients<Scalar>");
         file.global("FEEDBACK", &feedback_type, constant(&coefficients));
     }
 
@@ -147,7 +147,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
         let parameters = contact.parameters(scene.tick_rate_hz);
         // None in fixed point: an image with it is refused, by `cfg(contact_refused)`.
         if let Some(coefficients) = ContactCoefficients::<N>::build(&parameters, scene.period_s()) {
-            let contact_type = format!("{service}::ContactCoefficients<Scalar>");
+            let contact_type = format!("{service}::coefficients::ContactCoefficients<Scalar>");
             file.global("CONTACT", &contact_type, constant(&coefficients));
         }
     }
@@ -157,7 +157,11 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     // What measurements are made from: the description, and the job, in the machine's units.
     file.constant("UNITS", "trirrr_core::units::Units", constant(&units));
     file.constant("PERIOD", "f64", format!("{period:?}"));
-    file.constant("RAMP", "trirrr_service::Ramp", constant(&scene.ramp()));
+    file.constant(
+        "RAMP",
+        "trirrr_service::pace::Ramp",
+        constant(&scene.ramp()),
+    );
     file.constant("PARAMETERS", parameters_type, constant(parameters));
     file.constant("LIMITS", limits_type, constant(limits));
     let mut moves = String::from("[\n");
@@ -170,7 +174,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     Ok(file.0)
 }
 
-/// The features that the scene has, each as a type: [`On`](trirrr_service::On), or `()`.
+/// The features that the scene has, each as a type: [`On`](trirrr_service::features::On), or `()`.
 fn features(file: &mut File, scene: &Scene, scalar: &str) {
     let interlocks = &scene.inputs.interlocks;
     let bits = [
@@ -180,7 +184,7 @@ fn features(file: &mut File, scene: &Scene, scalar: &str) {
     ];
     let named = bits.iter().filter(|(_, is_named)| *is_named);
     let named: Vec<String> = named
-        .map(|(name, _)| format!("trirrr_service::input_bits::{name}"))
+        .map(|(name, _)| format!("trirrr_service::features::input_bits::{name}"))
         .collect();
     let inputs = match named.is_empty() {
         true => "0".into(),
@@ -206,8 +210,8 @@ fn features(file: &mut File, scene: &Scene, scalar: &str) {
     ] {
         let feature = match (has, bits) {
             (false, _) => "()".into(),
-            (true, None) => "trirrr_service::On".into(),
-            (true, Some(bits)) => format!("trirrr_service::On<{{ {bits} }}>"),
+            (true, None) => "trirrr_service::features::On".into(),
+            (true, Some(bits)) => format!("trirrr_service::features::On<{{ {bits} }}>"),
         };
         file.line(&format!(
             "#[allow(dead_code)]\npub type {name} = {feature};"
@@ -389,7 +393,7 @@ mod tests {
     fn a_scene_with_power_lists_has_their_room_and_no_other_has() {
         let text = shipped("paths/raster.toml");
         assert!(text.contains("pub const LEVELS: usize = 4096;\n"));
-        assert!(text.contains("pub type Levels = trirrr_service::On;\n"));
+        assert!(text.contains("pub type Levels = trirrr_service::features::On;\n"));
         assert!(shipped("engraving.toml").contains("pub type Levels = ();\n"));
     }
 
@@ -397,9 +401,9 @@ mod tests {
     fn a_scene_with_inputs_has_their_settings_and_no_other_has() {
         let text = shipped("inputs/guarded.toml");
         for line in [
-            "emergency_stop: Some(trirrr_service::EmergencyStop { debounce_ticks: 3, category: trirrr_service::StopCategory::StopThenOff, })",
-            "door: Some(trirrr_service::Door { debounce_ticks: 10, })",
-            "pub type Interlocks = trirrr_service::On<{ trirrr_service::input_bits::STOP | trirrr_service::input_bits::DOOR }>;",
+            "emergency_stop: Some(trirrr_service::features::EmergencyStop { debounce_ticks: 3, category: trirrr_service::StopCategory::StopThenOff, })",
+            "door: Some(trirrr_service::features::Door { debounce_ticks: 10, })",
+            "pub type Interlocks = trirrr_service::features::On<{ trirrr_service::features::input_bits::STOP | trirrr_service::features::input_bits::DOOR }>;",
             "pub type Probe = ();",
             "pub const DOOR_OPEN_HIGH: bool = true;",
         ] {
@@ -407,10 +411,10 @@ mod tests {
         }
         let text = shipped("inputs/probing.toml");
         for line in [
-            "probe: Some(trirrr_service::ProbeInput { debounce_ticks: 2, })",
-            "limits: Some(trirrr_service::LimitInputs { debounce_ticks: 2, })",
-            "trirrr_service::input_bits::STOP | trirrr_service::input_bits::DOOR | trirrr_service::input_bits::LIMITS }>;",
-            "pub type Probe = trirrr_service::On;",
+            "probe: Some(trirrr_service::features::ProbeInput { debounce_ticks: 2, })",
+            "limits: Some(trirrr_service::features::LimitInputs { debounce_ticks: 2, })",
+            "trirrr_service::features::input_bits::STOP | trirrr_service::features::input_bits::DOOR | trirrr_service::features::input_bits::LIMITS }>;",
+            "pub type Probe = trirrr_service::features::On;",
             "pub const PROBE_TOUCHES_HIGH: bool = false;",
             "pub const LIMITS_HIGH: bool = true;",
             "limit_switch: trirrr_service::StopCategory::StopAndHold",
@@ -424,9 +428,9 @@ mod tests {
     fn a_scene_with_spare_pins_has_their_settings_and_no_other_has() {
         let text = shipped("inputs/valves.toml");
         for line in [
-            "trirrr_service::DigitalParameters { outputs: 2, in_jobs: 1, inputs: 1, debounce_ticks: [10, 1, 1, 1, 1, 1, 1, 1], }",
+            "trirrr_service::features::DigitalParameters { outputs: 2, in_jobs: 1, inputs: 1, debounce_ticks: [10, 1, 1, 1, 1, 1, 1, 1], }",
             "pub const INPUTS_ACTIVE_HIGH: u8 = 0;",
-            "pub type Digital = trirrr_service::On;",
+            "pub type Digital = trirrr_service::features::On;",
         ] {
             assert!(text.contains(line), "{line}\n{text}");
         }

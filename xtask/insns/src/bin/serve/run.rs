@@ -16,7 +16,8 @@ use trirrr_insns::service::{
 #[cfg(drive = "odrive")]
 use trirrr_protocol::message::Recovery;
 use trirrr_protocol::message::{Command, Hello, Move, PROTOCOL, Reply, Request, State};
-use trirrr_service::{Channels, command_of};
+use trirrr_service::Channels;
+use trirrr_service::board::command_of;
 
 /// In the second run, a hold and a resume take turns after so many ticks: a prime, so that they
 /// come everywhere on the moves.
