@@ -26,7 +26,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         }
         // An older report must not overwrite the run that an order in flight begins.
         if let Some(probe) = probe
-            && !self.awaits_order()
+            && self.view.awaited.is_none()
         {
             self.apply_probe(probe.run());
         }

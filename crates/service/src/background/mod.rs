@@ -91,10 +91,10 @@ struct TickView<N: Number> {
     angles: [N::Angle; 3],
     /// Orders so far, modulo 256.
     orders_sent: u8,
-    /// Orders that the tick has taken, modulo 256.
-    orders_taken: u8,
     /// Orders that have to be taken before a report has the state that the last of them makes; none where all reports have it.
     awaited: Option<u8>,
+    /// The same of the angles.
+    adopting: Option<u8>,
 }
 
 /// A pose at which moves end, at rest.
@@ -195,8 +195,8 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
                 passed: Room::NONE,
                 angles,
                 orders_sent: 0,
-                orders_taken: 0,
                 awaited: None,
+                adopting: None,
             },
             job_is_over: false,
         }
@@ -290,14 +290,15 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
 
     #[inline(never)]
     fn apply_report(&mut self, report: &TickReport<S>) {
-        self.view.orders_taken = report.orders;
-        if !self.awaits_order() {
-            self.view.awaited = None;
+        for order in [&mut self.view.awaited, &mut self.view.adopting] {
+            // Few orders are in flight.
+            let is_ahead = |order: &u8| (report.orders.wrapping_sub(*order) as i8) < 0;
+            *order = order.filter(is_ahead);
         }
         self.view.begun = report.begun;
         self.view.passed = report.passed;
         // An older report must not overwrite the angles predicted for changed encoder offsets in flight.
-        if !ChangesOf::<S>::EXISTS || self.view.orders_taken == self.view.orders_sent {
+        if !ChangesOf::<S>::EXISTS || self.view.adopting.is_none() {
             self.view.angles = report.angles;
         }
         self.apply_splice(report.splice.get());
@@ -329,7 +330,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
             });
         }
         // An older report must not overwrite the state predicted for an order in flight.
-        if over || !self.awaits_order() {
+        if over || self.view.awaited.is_none() {
             (self.status.state, self.status.acting) = (report.state, report.acting);
             if self.status.end.is_none() && self.status.state == State::Idle {
                 self.status.end = Some(at_rest(report.pose));
@@ -362,12 +363,6 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     /// An event on its way to the host. Where there is no room it is dropped: the status has it.
     fn push_event(&mut self, event: Event<N>) {
         self.desk.events.0.send(event);
-    }
-
-    /// Returns true while the tick has not taken the order whose state is predicted. Few orders are in flight.
-    fn awaits_order(&self) -> bool {
-        let is_ahead = |awaited: u8| (self.view.orders_taken.wrapping_sub(awaited) as i8) < 0;
-        self.view.awaited.is_some_and(is_ahead)
     }
 
     /// Sends an order and, until the tick has taken it, counts on what it will make of the state. One that leaves the state as it is keeps no

@@ -68,6 +68,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         }
         self.order(Order::Adopt, State::Idle)?;
         self.machine.adopt(&changed, built, &mut self.coefficients);
+        self.view.adopting = Some(self.view.orders_sent);
         self.view.angles = angles;
         self.admission.judgement = Judgement::new();
         self.status.end = Some(at_rest(pose));

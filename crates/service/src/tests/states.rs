@@ -354,6 +354,8 @@ fn a_host_that_orders_in_each_tick_sees_what_the_machine_does() {
     let mut seen = std::vec![bench.state()];
     // One more than the tick takes.
     bench.done(Command::FeedOverride { percent: 100 });
+    let angles = |output: Output<f64>| output.motors.map(|motor| motor.angle);
+    let mut stands = [0.0; 3];
     for _ in 0..600 {
         let order = match bench.state() {
             State::Holding => Command::Resume,
@@ -364,10 +366,21 @@ fn a_host_that_orders_in_each_tick_sees_what_the_machine_does() {
         if seen.last() != Some(&state) {
             seen.push(state);
         }
-        bench.tick();
+        stands = angles(bench.tick());
     }
     assert_eq!(seen, [State::Holding, State::Running, State::Idle]);
     assert_eq!(bench.status().done, 1);
+    // Nor where the motors stand.
+    bench.done(Command::Recover(Recovery {
+        to: home(),
+        ticks: 1000,
+    }));
+    bench.ticks(2);
+    let goes = angles(bench.tick());
+    for (from, to) in stands.into_iter().zip(goes) {
+        assert!((to - from).abs() < 1e-3, "{from} to {to}");
+    }
+    bench.until(State::Idle);
 }
 
 #[test]
