@@ -14,7 +14,7 @@ use trirrr_drives::{Active, Enable};
 use trirrr_protocol::message::{Command, DriveFault, FaultCode, Move, Recovery, Reply, State};
 use trirrr_scene::Scene;
 use trirrr_service::board::CommandOf;
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 use trirrr_service::{Adjustable, Channels, Service, Settings};
 
 type Scalar = f32;

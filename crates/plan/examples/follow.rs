@@ -13,7 +13,7 @@ use trirrr_plan::cell::Planner;
 use trirrr_plan::course::{Effort, PathPiece, plan};
 use trirrr_plan::piece::Piece;
 use trirrr_service::admission::{Path, Retarget, Retargeted};
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 
 type Machine = Dynamic<f64>;
 

@@ -21,7 +21,7 @@ use trirrr_plan::course::{Effort, PathPiece, plan};
 use trirrr_plan::piece::Piece;
 use trirrr_plan::window::{Outlook, Window, WindowPiece, WindowSettings};
 use trirrr_service::admission::Path;
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 
 const LINES: usize = 1000;
 const CORNER_M: f64 = 1e-5;

@@ -38,7 +38,7 @@ use trirrr_core::torque::lines::DistalLines;
 use trirrr_service::admission::AngleModel;
 use trirrr_service::admission::{Enclose, Path, TaylorModel};
 #[cfg(feature = "std")]
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 
 /// Part of a limit that the value at rest may take.
 const STANDING: f64 = 0.999_999;

@@ -15,7 +15,7 @@ use trirrr_protocol::message::{AnyMove, LevelRange, Refusal, Violation};
 use trirrr_service::ServiceNumber;
 use trirrr_service::admission::{Admission, Verdict};
 use trirrr_service::features::check_levels;
-use trirrr_service::pace::{MovePaces, check_offer, longest_move};
+use trirrr_service::paces::{MovePaces, check_offer, longest_move};
 
 /// Judgement of a move: the rates at which a hold may slow it down, or why it is not played.
 pub(crate) type Judgement = Result<MovePaces, Objection>;

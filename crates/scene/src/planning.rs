@@ -26,7 +26,7 @@ use trirrr_plan::course::Effort;
 use trirrr_plan::moves::{Judged, PlannedMove, PlannedMoves, Sampling, plan_moves};
 use trirrr_plan::piece::Piece;
 use trirrr_protocol::message::Bounded;
-use trirrr_service::pace::longest_move;
+use trirrr_service::paces::longest_move;
 
 /// Columns of a table of moves, `moves.csv`, SI units: number of the piece from 1, duration, state at the end, power and speed of the tool.
 pub const MOVE_COLUMNS: [&str; 13] = [

@@ -20,7 +20,7 @@ use trirrr_core::limits::LimitParameters as Limits;
 use trirrr_core::machine::Parameters;
 use trirrr_core::model::ModelKind;
 use trirrr_service::Reactions;
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 
 /// A move of fewer ticks is a short one.
 const SHORT_TICKS: u32 = 10;

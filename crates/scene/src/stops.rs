@@ -10,7 +10,7 @@ use crate::planning::join;
 use crate::way::{MoveWay, way_m};
 use crate::words::rounded_up;
 use core::ops::Range;
-use trirrr_service::pace::{PacedMove, StopJob, Stops};
+use trirrr_service::paces::{PacedMove, StopJob, Stops};
 
 impl Scene {
     /// Finds the longest stop of the job, by the rates that the admission proves in the scene's number type. None if a move

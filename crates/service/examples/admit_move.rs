@@ -10,7 +10,7 @@ use trirrr_core::model::Dynamic;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::Move;
 use trirrr_service::admission::{Admission, Verdict};
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 
 /// Tick rate, Hz.
 const RATE_HZ: f64 = 100.0;

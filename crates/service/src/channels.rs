@@ -3,7 +3,7 @@
 use super::background::{
     Background, BackgroundEnds, BackgroundFeatures, Desk, OfferedMoves, RequestWindow, Retargeting,
 };
-use super::coefficients::Coefficients;
+use super::built::Coefficients;
 use super::contact::ContactMemory;
 use super::digital::DigitalPorts;
 use super::feature::{ChannelMemory, Feature};

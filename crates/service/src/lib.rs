@@ -35,8 +35,8 @@ extern crate std;
 
 pub mod admission;
 mod background;
+mod built;
 mod channels;
-pub mod coefficients;
 mod contact;
 mod curves;
 mod digital;
@@ -52,7 +52,7 @@ mod levels;
 mod number;
 mod offered;
 mod own_job;
-pub mod pace;
+mod pace;
 mod planner;
 mod queue;
 mod retreat;
@@ -74,7 +74,7 @@ pub use settings::{PowerTimes, Reactions, SceneIdentity, Settings, StopCategory,
 pub use tool::Tool;
 
 #[cfg(test)]
-use crate::{board::*, coefficients::*, features::*, pace::*};
+use crate::{board::*, coefficients::*, features::*, paces::*};
 
 /// The two halves of a service, for a board that gives each its own priority, and what passes between them.
 pub mod board {
@@ -103,4 +103,20 @@ pub mod features {
     pub use crate::own_job::{FOREVER, JobStart, OwnHoming, OwnJob, OwnJobParts};
     pub use crate::planner::{PathPlanner, PathStep, Planning};
     pub use crate::scene::{ImageSlot, NoImage, check_image};
+}
+
+/// Numbers that whoever builds an image computes beforehand.
+pub mod coefficients {
+    pub use crate::built::Coefficients;
+    pub use crate::contact::ContactCoefficients;
+    pub use crate::feedback::FeedbackCoefficients;
+    pub use crate::homing::HomingCoefficients;
+    pub use crate::scene::{SceneValues, StepperValues, needs_of_model};
+}
+
+/// Rates at which the pace along a path changes, and the time and the way of stops.
+pub mod paces {
+    pub use crate::background::{check_offer, longest_move};
+    pub use crate::pace::{MovePaces, Pace, Ramp};
+    pub use crate::stop::{PacedMove, PathPlace, StopJob, Stops};
 }

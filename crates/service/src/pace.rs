@@ -12,9 +12,6 @@ use postcard_schema::Schema;
 use serde::{Deserialize, Serialize};
 use trirrr_core::to_source;
 
-pub use crate::background::{check_offer, longest_move};
-pub use crate::stop::{PacedMove, PathPlace, StopJob, Stops};
-
 /// Levels by which the pace changes at most from one tick to the next.
 pub(crate) const FULL: u8 = Pace::LEVELS;
 
@@ -34,7 +31,7 @@ pub struct Pace {
     pub faster: [u8; 2],
 }
 
-to_source!([] Pace [] in trirrr_service::pace {
+to_source!([] Pace [] in trirrr_service::paces {
     slower: [u8; 2],
     faster: [u8; 2],
 });
@@ -83,7 +80,7 @@ pub struct Ramp {
     pub least: Pace,
 }
 
-to_source!([] Ramp [] in trirrr_service::pace {
+to_source!([] Ramp [] in trirrr_service::paces {
     ticks: u16,
     least: Pace,
 });
@@ -128,7 +125,7 @@ pub struct MovePaces {
     parts: [Pace; PARTS as usize],
 }
 
-to_source!([] MovePaces [] in trirrr_service::pace { parts: [Pace; PARTS as usize] });
+to_source!([] MovePaces [] in trirrr_service::paces { parts: [Pace; PARTS as usize] });
 
 impl MovePaces {
     /// Whatever the ramp allows.

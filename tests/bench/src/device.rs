@@ -11,7 +11,7 @@ use trirrr_protocol::message::{
 use trirrr_protocol::wire::schema::{key, longest};
 use trirrr_protocol::wire::{Counters, Decoder, checksum, decoded_length, encode, frame_length};
 use trirrr_service::features::{NoImage, On};
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 use trirrr_service::{
     Adjustable, Channels, Output, PowerTimes, Reactions, SceneIdentity, SceneParts, Service,
     ServiceNumber, Settings, name, scene,

@@ -9,7 +9,7 @@ use trirrr_core::status::Status;
 use trirrr_core::tick::Tick;
 use trirrr_protocol::message::AnyMove;
 use trirrr_service::admission::Enclose;
-use trirrr_service::pace::{MovePaces, Pace};
+use trirrr_service::paces::{MovePaces, Pace};
 
 /// How closely a move is looked at.
 #[derive(Clone, Copy, Debug)]

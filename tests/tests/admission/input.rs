@@ -6,7 +6,7 @@ use trirrr_core::limits::LimitParameters;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{Bounded, Move};
 use trirrr_service::admission::Enclose;
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 use trirrr_tests::machines::thesis;
 
 fn setting() -> Setting {

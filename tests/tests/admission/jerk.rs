@@ -6,7 +6,7 @@ use crate::thesis_move;
 use trirrr_core::limits::LimitParameters;
 use trirrr_core::machine::example;
 use trirrr_protocol::message::{AnyMove, Bounded, LeastDuration, Move};
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 use trirrr_tests::draw::{Draw, machines};
 use trirrr_tests::instant::{Instant, QuinticEnds, State, jerks};
 use trirrr_tests::random::share;

@@ -6,7 +6,7 @@ use trirrr_core::model::{Model, ModelKind, ModelVisitor};
 use trirrr_core::setpoint::Quintics;
 use trirrr_protocol::message::{AnyMove, Violation};
 use trirrr_service::admission::{Admission, Enclose, Verdict};
-use trirrr_service::pace::{MovePaces, Ramp};
+use trirrr_service::paces::{MovePaces, Ramp};
 
 /// A machine with what it has to keep.
 #[derive(Clone, Copy, Debug)]

@@ -9,7 +9,7 @@ use trirrr_core::number::Number;
 use trirrr_core::setpoint::Pose;
 use trirrr_protocol::message::{AnyMove, Move};
 use trirrr_scene::{Job, JobMove, Scene};
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 use trirrr_tests::draw::Draw;
 use trirrr_tests::random::Case;
 

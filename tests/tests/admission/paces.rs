@@ -5,7 +5,7 @@ use crate::judge::{Judged, Setting, judge};
 use crate::moves::{bent, random_move};
 use trirrr_core::limits::LimitParameters;
 use trirrr_protocol::message::AnyMove;
-use trirrr_service::pace::{Pace, Ramp};
+use trirrr_service::paces::{Pace, Ramp};
 use trirrr_tests::draw::{Draw, machines};
 use trirrr_tests::random::share;
 

@@ -12,7 +12,7 @@ use trirrr_core::singularity::Distances;
 use trirrr_core::tick::Tick;
 use trirrr_protocol::message::Move;
 use trirrr_service::admission::{AngleModel, TaylorModel};
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 use trirrr_tests::draw::{Draw, machines, within_a_turn};
 use trirrr_tests::random::share;
 

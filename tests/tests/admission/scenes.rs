@@ -9,7 +9,7 @@ use trirrr_core::number::Fixed;
 use trirrr_protocol::message::{AnyMove, Bounded};
 use trirrr_scene::{Scene, offer, units};
 use trirrr_service::ServiceNumber;
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 
 fn scenes() -> Vec<Scene> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");

@@ -5,7 +5,7 @@ use crate::judge::{Setting, judge};
 use crate::moves::random_move;
 use trirrr_core::limits::LimitParameters;
 use trirrr_protocol::message::{Bounded, LeastDuration, Move};
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 use trirrr_tests::draw::{Draw, machines, within_a_turn};
 
 const DENSITY: Density = Density {

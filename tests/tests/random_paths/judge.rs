@@ -12,7 +12,7 @@ use trirrr_protocol::message::{AnyMove, Move};
 use trirrr_scene::{NumberType, Scene, offer};
 use trirrr_service::ServiceNumber;
 use trirrr_service::admission::{Admission, Verdict};
-use trirrr_service::pace::{check_offer, longest_move};
+use trirrr_service::paces::{check_offer, longest_move};
 use trirrr_tests::instant::{Instant, QuinticEnds, State, jerks};
 
 /// Chords of each piece that a motion is compared with.

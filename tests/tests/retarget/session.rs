@@ -7,7 +7,7 @@ use trirrr_core::model::{Model, ModelKind, ModelVisitor};
 use trirrr_core::setpoint::{Quintics, Segment, Setpoint};
 use trirrr_protocol::message::QuinticMove;
 use trirrr_service::admission::{Blocked, Path, Retarget, Retargeted};
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 use trirrr_tests::draw::Draw;
 use trirrr_tests::instant::State;
 

@@ -20,7 +20,7 @@ use trirrr_protocol::message::{
     AnyMove, Command, Cut, Goal, Message, Move, QuinticMove, Reply, Request, State, Status,
 };
 use trirrr_service::admission::{Path, Retarget, RetargetTask, Retargeted};
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 use trirrr_tests::instant::{Instant, State as PlatformState};
 
 /// Of 100 frames, how many are damaged.

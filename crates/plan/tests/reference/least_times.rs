@@ -16,7 +16,7 @@ use trirrr_plan::course::{Effort, PathPiece, PathRefusal};
 use trirrr_plan::moves::{Judged, PlannedMove, PlannedMoves, Sampling, plan_moves};
 use trirrr_plan::piece::Piece;
 use trirrr_service::admission::Admission;
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 
 /// Ticks of 1 ms, and tolerances of 10 um and 0.1 mrad.
 const SAMPLING: Sampling = Sampling {

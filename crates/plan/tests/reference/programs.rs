@@ -21,7 +21,7 @@ use trirrr_protocol::message::{AnyMove, PathCurve, PathPiece};
 use trirrr_service::ServiceNumber;
 use trirrr_service::admission::{Admission, Enclose, Path, Verdict};
 use trirrr_service::features::{PathPlanner, PathStep};
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 
 type WithLinks<N> = Dynamic<N, Centred<N>, Massive<N, Horizontal>>;
 type WithoutLinks<N> = Dynamic<N, Centred<N>, Massless>;

@@ -14,7 +14,7 @@ use trirrr_core::torque::payload::Centred;
 use trirrr_plan::piece::Piece;
 use trirrr_plan::window::{Outlook, Window, WindowMove, WindowPiece, WindowSettings};
 use trirrr_service::admission::{Admission, Enclose, Path};
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 
 /// Moves of so many ticks of 1 ms at least.
 const fn settings(ticks: u32) -> WindowSettings {

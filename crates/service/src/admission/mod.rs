@@ -182,7 +182,7 @@ impl<M: Model<N: Enclose>, K: CurveKind> Admission<M, K> {
         ramp: Ramp,
         period_s: f64,
     ) -> Result<Self, BuildError> {
-        crate::coefficients::allow_jerk::<K>(limits.jerk.map(|jerk| jerk.map(<M::N>::to_f64)))?;
+        crate::built::allow_jerk::<K>(limits.jerk.map(|jerk| jerk.map(<M::N>::to_f64)))?;
         let limits = limits.map(<M::N>::bound);
         Path::build(machine, limits, ramp, period_s).map(Self::over)
     }

@@ -5,7 +5,7 @@ use super::super::foreground::slope;
 use super::super::guard::{self, Guard, LimitBreach};
 use super::super::handoff::{Ahead, Order, Recover};
 use super::{Background, at_rest};
-use crate::coefficients::Coefficients;
+use crate::built::Coefficients;
 use crate::feature::Feature;
 use crate::homing::HomingCoefficients;
 use crate::number::ServiceNumber;

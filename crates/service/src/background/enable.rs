@@ -1,7 +1,7 @@
 //! Enable and disable, and the pose of a machine that was just measured.
 
 use super::Background;
-use crate::coefficients::Coefficients;
+use crate::built::Coefficients;
 use crate::feature::Optional;
 use crate::feedback::{FeedbackReport, PoseSearch};
 use crate::guard::LimitBreach;

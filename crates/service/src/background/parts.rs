@@ -1,6 +1,6 @@
 //! Replaced parts of the scene: another geometry, other loads, other limits.
 
-use super::super::coefficients::Coefficients;
+use super::super::built::Coefficients;
 use super::super::handoff::Order;
 use super::{Background, at_rest};
 use crate::admission::Judgement;

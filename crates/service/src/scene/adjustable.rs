@@ -1,7 +1,7 @@
 //! A scene that the host can change while the machine is idle.
 
 use super::{Changed, Machine, NoImage, Scene};
-use crate::coefficients::{Coefficients, allow_jerk};
+use crate::built::{Coefficients, allow_jerk};
 use crate::curves::PlayedCurves;
 use crate::feature::On;
 use crate::number::ServiceNumber;

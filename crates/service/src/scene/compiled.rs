@@ -2,7 +2,7 @@
 
 use super::{Changed, Machine};
 use crate::admission::Enclose;
-use crate::coefficients::Coefficients;
+use crate::built::Coefficients;
 use crate::curves::PlayedCurves;
 use crate::number::ServiceNumber;
 use crate::planner::PathPlanner;

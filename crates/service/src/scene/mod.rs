@@ -19,7 +19,7 @@ pub use parts::SceneParts;
 pub use update::{ImageSlot, NoImage, check_image};
 pub use values::{SceneValues, StepperValues, needs_of_model};
 
-use crate::coefficients::Coefficients;
+use crate::built::Coefficients;
 use crate::curves::PlayedCurves;
 use crate::feature::{ChannelMemory, Feature, Of};
 use crate::number::ServiceNumber;

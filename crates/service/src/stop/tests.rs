@@ -244,7 +244,7 @@ proptest! {
         level: u64,
     ) {
         let most = (f64::from(ramp) * factor) as u32;
-        let [rate, _] = crate::pace::Ramp::within(ramp, Some(most)).least.slower;
+        let [rate, _] = crate::paces::Ramp::within(ramp, Some(most)).least.slower;
         let moves: Vec<_> = moves.into_iter().map(|(each, _)| {
             let slower: Vec<_> = (0..8).map(|part| each.paces.of(part).slower.map(|own| own.max(rate))).collect();
             paced(each.ticks, &slower, each.rests)

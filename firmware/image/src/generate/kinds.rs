@@ -8,7 +8,7 @@ use trirrr_core::number::Number;
 use trirrr_core::tick::Tick;
 use trirrr_service::admission::Enclose;
 use trirrr_service::coefficients::Coefficients;
-use trirrr_service::pace::Ramp;
+use trirrr_service::paces::Ramp;
 
 /// Parameters of the coefficients, in the units of the machine.
 #[derive(Clone, Copy)]

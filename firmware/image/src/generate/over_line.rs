@@ -203,7 +203,7 @@ mod tests {
             let own: Settings<f32> = trirrr_scene::settings(&scene, &units);
             // As in the image of another scene at the same rate.
             let image = Settings {
-                ramp: trirrr_service::pace::Ramp::fixed(1),
+                ramp: trirrr_service::paces::Ramp::fixed(1),
                 host_timeout_ticks: 1,
                 telemetry_every: 9,
                 planning: None,

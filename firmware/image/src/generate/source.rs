@@ -159,7 +159,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     file.constant("PERIOD", "f64", format!("{period:?}"));
     file.constant(
         "RAMP",
-        "trirrr_service::pace::Ramp",
+        "trirrr_service::paces::Ramp",
         constant(&scene.ramp()),
     );
     file.constant("PARAMETERS", parameters_type, constant(parameters));

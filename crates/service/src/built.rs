@@ -11,11 +11,6 @@ use trirrr_core::singularity::Distances;
 use trirrr_core::tick::Tick;
 use trirrr_core::to_source;
 
-pub use crate::contact::ContactCoefficients;
-pub use crate::feedback::FeedbackCoefficients;
-pub use crate::homing::HomingCoefficients;
-pub use crate::scene::{SceneValues, StepperValues, needs_of_model};
-
 /// The coefficients of all that a service computes, in its number type: plain numbers, so that
 /// whoever builds an image can build them too and write them as constants.
 #[derive(Clone, Copy, Debug)]
