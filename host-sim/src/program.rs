@@ -141,7 +141,13 @@ fn stream(args: &StreamArgs) -> Result<ExitCode, CliError> {
 
 fn switch(go: impl FnOnce(&AtomicBool) -> Result<(), CliError>) -> Result<ExitCode, CliError> {
     let stop = on_interrupt()?;
-    go(&stop).map(|()| ExitCode::SUCCESS)
+    match go(&stop) {
+        Err(why) if stop.load(Ordering::Relaxed) => {
+            say(&why.to_string());
+            Ok(ExitCode::from(INTERRUPTED))
+        }
+        done => done.map(|()| ExitCode::SUCCESS),
+    }
 }
 
 fn to_the_end(

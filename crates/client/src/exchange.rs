@@ -11,7 +11,7 @@
 use crate::dialogue::Turn;
 use std::collections::VecDeque;
 use std::time::Duration;
-use trirrr_protocol::message::{Command, Hello, Message, Reply, Request, Transmit};
+use trirrr_protocol::message::{Command, Hello, Identity, Message, Reply, Request, Transmit};
 
 /// Time to wait for an answer, and number of requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -255,6 +255,20 @@ pub(crate) fn identity_of_tests(next_sequence: u32) -> trirrr_protocol::message:
         board: Board::HOST,
         firmware: Firmware::SIMULATOR,
         levels: 0,
+    }
+}
+
+/// Statuses within the host timeout, after which a machine would stop.
+const STATUS_PER_TIMEOUT: u32 = 4;
+
+/// Returns the time from one status to the next: `most`, or less where the machine takes its host for lost before that.
+pub fn status_interval(most: Duration, identity: &Identity) -> Duration {
+    let timeout_s = f64::from(identity.silence_ticks) / identity.tick_rate_hz;
+    let interval = Duration::try_from_secs_f64(timeout_s / f64::from(STATUS_PER_TIMEOUT));
+    // Without a timeout of its own, a machine says 0 ticks.
+    match interval {
+        Ok(interval) if !interval.is_zero() => interval.min(most),
+        _ => most,
     }
 }
 

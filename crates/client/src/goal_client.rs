@@ -3,7 +3,7 @@
 use crate::conversation::Conversation;
 use crate::describe::{self, Units};
 use crate::dialogue::{Dialogue, Turn};
-use crate::exchange::Patience;
+use crate::exchange::{Patience, status_interval};
 use crate::user_commands::{UserCommand, UserCommands};
 use std::time::Duration;
 use trirrr_protocol::message::{
@@ -11,7 +11,7 @@ use trirrr_protocol::message::{
     State, Status, Transmit, Violation,
 };
 
-/// Time from one status to the next.
+/// Longest time from one status to the next.
 const STATUS_EVERY: Duration = Duration::from_millis(20);
 
 /// Time until a request is made again that the machine did not take yet.
@@ -48,6 +48,8 @@ pub struct GoalClient<N: Transmit> {
     is_judging: bool,
     /// Violation by which the last goal was refused.
     refused: Option<Violation<N>>,
+    /// Time from one status to the next.
+    every: Duration,
     look: Duration,
     pause: Duration,
     /// The client has enabled the machine.
@@ -109,7 +111,8 @@ impl<N: Transmit> Dialogue<N> for GoalClient<N> {
             return;
         };
         match reply {
-            Reply::Hello(_) => {
+            Reply::Hello(identity) => {
+                self.every = status_interval(STATUS_EVERY, &identity);
                 self.orders.recall();
                 self.look = now;
             }
@@ -122,8 +125,15 @@ impl<N: Transmit> Dialogue<N> for GoalClient<N> {
                 }
                 self.orders.settle(&command);
                 self.is_enabled |= command == Command::Enable;
-                // What it changes, the next status says.
+                // What it changes, the next status says, once the tick has taken it.
                 self.look = now;
+                if let Command::Hold | Command::Resume = command {
+                    self.pause = now + PAUSE;
+                    self.look = self.pause;
+                }
+                if let (Command::Hold, Some(status)) = (command, self.conversation.status_mut()) {
+                    status.acting = Acting::Hold;
+                }
             }
             Reply::Refused(refusal) => self.on_refusal(&command, refusal, now),
             Reply::Section(_) | Reply::Kept { .. } | Reply::Update(_) => {}
@@ -153,6 +163,7 @@ impl<N: Transmit> GoalClient<N> {
             is_under_way: false,
             is_judging: false,
             refused: None,
+            every: STATUS_EVERY,
             look: Duration::ZERO,
             pause: Duration::ZERO,
             is_enabled: false,
@@ -264,7 +275,7 @@ impl<N: Transmit> GoalClient<N> {
     }
 
     fn on_status(&mut self, status: Status<N>, now: Duration) {
-        self.look = now + STATUS_EVERY;
+        self.look = now + self.every;
         let before = self.conversation.keep(status);
         if let Some(fault) = status.fault {
             self.result = Some(Err(GoalFailure::Fault(fault)));

@@ -44,7 +44,7 @@ mod wake;
 pub use approach::short_way;
 pub use conversation::Conversation;
 pub use dialogue::{Dialogue, Turn, drive};
-pub use exchange::Patience;
+pub use exchange::{Patience, status_interval};
 pub use failure::JobFailure;
 pub use goal_client::{GoalClient, GoalFailure};
 pub use job_client::{JobClient, JobWork, MoveChecksum, SuppliedMoves, switched_label};

@@ -9,6 +9,9 @@ use trirrr_protocol::message::{
     Command, Event, Hello, Identity, Message, Refusal, Reply, Status, TelemetryFields, Transmit,
 };
 
+/// Time until a command is asked again that the machine did not take yet.
+const PAUSE: Duration = Duration::from_millis(5);
+
 /// Time from one status to the next.
 const STATUS_EVERY: Duration = Duration::from_millis(100);
 
@@ -25,6 +28,8 @@ pub struct ManualClient<N: Transmit> {
     /// Refusals of commands that the owner has not taken.
     refused: VecDeque<Refusal<N>>,
     look: Duration,
+    /// Time before which no command is asked: the machine had no room for the one before.
+    pause: Duration,
     /// Reason for which the machine does not talk.
     closed: Option<Refusal<N>>,
 }
@@ -39,6 +44,7 @@ impl<N: Transmit> ManualClient<N> {
             commands: VecDeque::new(),
             refused: VecDeque::new(),
             look: Duration::ZERO,
+            pause: Duration::ZERO,
             closed: None,
         }
     }
@@ -81,9 +87,14 @@ impl<N: Transmit> Dialogue<N> for ManualClient<N> {
                 Turn::Done(()) => (true, self.look),
             };
             let has_room = is_free || self.conversation.has_room();
-            match has_room.then(|| self.commands.pop_front()).flatten() {
+            let waits = now < self.pause && !self.commands.is_empty();
+            match (has_room && !waits)
+                .then(|| self.commands.pop_front())
+                .flatten()
+            {
                 Some(command) => self.conversation.ask(command, now),
                 None if is_free && now >= look => self.conversation.ask(Command::Status, now),
+                None if waits => return Turn::Wait(look.min(self.pause)),
                 None => return Turn::Wait(look),
             }
         }
@@ -125,6 +136,11 @@ impl<N: Transmit> Dialogue<N> for ManualClient<N> {
                 (Command::Hello(_), refusal) => self.closed = Some(refusal),
                 // Its image tells nothing of its drives.
                 (Command::Drives { .. }, Refusal::NoFeedback) => {}
+                // The tick takes one order at a time: no stop is lost.
+                (command, Refusal::Busy) => {
+                    self.commands.push_front(command);
+                    self.pause = now + PAUSE;
+                }
                 (_, refusal) => {
                     self.refused.push_back(refusal);
                     self.look = now;

@@ -39,8 +39,18 @@ pub(crate) struct UserCommands {
 }
 
 impl UserCommands {
-    /// Adds a command of the user.
+    /// Adds a command of the user. A stop waits for none that was not asked, but for one that switches the drives off; of feed overrides the
+    /// last counts.
     pub(crate) fn push(&mut self, command: UserCommand) {
+        let outlasts = |waits: &UserCommand| match command {
+            UserCommand::Disable => false,
+            UserCommand::Stop => *waits == UserCommand::Disable,
+            UserCommand::FeedOverride(_) => !matches!(waits, UserCommand::FeedOverride(_)),
+            UserCommand::Hold | UserCommand::Resume => true,
+        };
+        let mut is_asked = self.is_asked;
+        self.waiting
+            .retain(|waits| std::mem::take(&mut is_asked) || outlasts(waits));
         self.waiting.push_back(command);
     }
 
@@ -68,5 +78,35 @@ impl UserCommands {
     /// Commands on their way may not have come, or were not taken: they are asked again.
     pub(crate) fn recall(&mut self) {
         self.is_asked = false;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn waiting(commands: &[UserCommand], asked: bool) -> std::vec::Vec<UserCommand> {
+        let mut waits = UserCommands::default();
+        for (index, command) in commands.iter().enumerate() {
+            waits.push(*command);
+            if asked && index == 0 {
+                assert_eq!(waits.ask(), Some(*command));
+            }
+        }
+        waits.waiting.into()
+    }
+
+    #[test]
+    fn a_stop_waits_for_what_was_asked_alone() {
+        use UserCommand::*;
+        let feeds = [FeedOverride(50), FeedOverride(40), FeedOverride(30)];
+        assert_eq!(waiting(&feeds, false), [FeedOverride(30)]);
+        assert_eq!(waiting(&feeds, true), [FeedOverride(50), FeedOverride(30)]);
+        let stop = [Hold, Resume, FeedOverride(40), Stop];
+        assert_eq!(waiting(&stop, false), [Stop]);
+        assert_eq!(waiting(&stop, true), [Hold, Stop]);
+        assert_eq!(waiting(&[Hold, Disable, Stop], false), [Disable, Stop]);
+        assert_eq!(waiting(&[Stop, Hold, Disable], false), [Disable]);
+        assert_eq!(waiting(&[Hold, Resume, Hold], false), [Hold, Resume, Hold]);
     }
 }

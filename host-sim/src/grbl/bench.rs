@@ -62,6 +62,8 @@ pub(super) struct Bench<'a, N: HostNumber> {
     reach: &'a SceneReach<'a>,
     pub(super) random: Random,
     pub(super) tick: u64,
+    /// Milliseconds from one tick of the machine to the next.
+    pub(super) period: u64,
     requests: Line<Request<N>>,
     messages: Line<Message<N>>,
     pub(super) door: bool,
@@ -88,7 +90,9 @@ impl<N: HostNumber> Bench<'_, N> {
         });
         self.machine.sense_digital(u8::from(self.input));
         let before = self.place;
-        self.machine.tick();
+        if self.tick.is_multiple_of(self.period) {
+            self.machine.tick();
+        }
         if matches!(self.machine.state(), State::Slowing | State::Stopping) {
             self.slowed.get_or_insert((self.tick, before));
         }
@@ -203,6 +207,7 @@ pub(super) fn with_bench<N: HostNumber, T>(
             reach: &reach,
             random: Random(seed),
             tick: 0,
+            period: 1,
             requests: Line(VecDeque::new()),
             messages: Line(VecDeque::new()),
             door: false,

@@ -192,6 +192,37 @@ fn check(holds: u32) {
     assert!(figures.time <= 1.0 && figures.way <= WAY, "{figures:?}");
 }
 
+/// A machine of slow ticks has no room for what a sender asks meanwhile: feed overrides, a hold that is repeated. A reset is heard all the same.
+#[test]
+fn a_reset_is_heard_behind_orders_that_the_tick_has_not_taken() {
+    with_bench::<N, _>(&scene(), 1, |bench| {
+        for period in [4, 10, 50] {
+            bench.period = 1;
+            bench.send(b"$X\nG90 G1 X250 Y245 F6000\n");
+            bench.pass_for(3000);
+            bench.period = period;
+            for (bytes, wait) in [(&b"!"[..], 7), (b"!~!", 60), (&[0x94; 30], 2)] {
+                bench.send(b"G1 X300 F300\n");
+                bench.pass_for(500 * period as usize);
+                bench.send(bytes);
+                bench.pass_for(wait);
+                bench.send(b"\x18");
+                bench.pass_for(300 * period as usize);
+                let place = bench.place;
+                let state = bench.state();
+                assert!(
+                    state == "Idle" || state == "Alarm",
+                    "{state} at {period} ms"
+                );
+                bench.pass_for(100 * period as usize);
+                assert_eq!(bench.place, place, "it goes on at {period} ms");
+                bench.send(b"$X\n");
+                bench.pass_for(50 * period as usize);
+            }
+        }
+    });
+}
+
 #[test]
 fn holds_at_random_instants_are_none_lost() {
     check(12);

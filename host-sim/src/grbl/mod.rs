@@ -232,6 +232,10 @@ impl<N: Transmit> SenderServer<'_, N> {
         if let Some(why) = self.driver.why_lost() {
             return Err(CliError::Failed(why.to_owned()));
         }
+        if !self.driver.is_off() {
+            let why = "the machine was told to stop, and does not say that its drives are off";
+            return Err(CliError::Failed(why.into()));
+        }
         print_line("ended by Ctrl-C, with the drives off");
         Ok(())
     }
@@ -274,7 +278,8 @@ impl<N: Transmit> Dialogue<N> for SenderServer<'_, N> {
         }
         // A port that is lost now is lost for a command that ends.
         let until = *self.farewell.get_or_insert(now + FAREWELL);
-        let is_over = now >= until || !self.is_open || self.driver.is_off();
+        let is_late = now >= until && !self.driver.is_stopping();
+        let is_over = is_late || !self.is_open || self.driver.is_off();
         is_over.then(|| self.farewell())
     }
 }

@@ -70,14 +70,33 @@ fn run<N: ServiceNumber>(
     let status = settled(talk)?;
     let Some(from) = status.end.filter(|_| status.state == State::Idle) else {
         return Err(CliError::Refused(format!(
-            "not while the machine is {} (`trirrr enable` switches its drives on)",
-            describe::state(status.state, Acting::Nothing)
+            "not while the machine is {}{}",
+            describe::state(status.state, Acting::Nothing),
+            match status.state {
+                State::Disabled => " (`trirrr enable` switches its drives on)",
+                _ => "",
+            }
         )));
     };
-    let number = status.next;
-    talk.done(Command::Move(Move::rest_to_rest(
-        number, from.pose, to, ticks,
-    )))?;
+    let end = along(
+        talk,
+        Move::rest_to_rest(status.next, from.pose, to, ticks),
+        away,
+    );
+    if talk.is_interrupted() {
+        talk.bring_to_rest();
+    }
+    end
+}
+
+/// Goes along `way` until the probe touches.
+fn along<N: ServiceNumber>(
+    talk: &mut Talk<'_, N>,
+    way: Move<N>,
+    away: bool,
+) -> Result<(), CliError> {
+    let Move { number, ticks, .. } = way;
+    talk.done(Command::Move(way))?;
     // The admission decides.
     while let status = talk.status()?
         && status.admitted != number.wrapping_add(1)
@@ -109,6 +128,14 @@ fn run<N: ServiceNumber>(
                     ProbeRun::Touched(_) => print(&format!("{text}\n")),
                     _ => Err(CliError::Failed(text)),
                 };
+            }
+            // Nothing is measured by a way that somebody has stopped.
+            (State::Holding, _, _) if matches!(status.acting, Acting::Door | Acting::Hold) => {
+                talk.bring_to_rest();
+                let state = describe::state(status.state, status.acting);
+                return Err(CliError::Failed(format!(
+                    "the machine was {state}: the way has ended there; the same command goes on from where it stands"
+                )));
             }
             // A machine that waited for this host goes on.
             _ if status.waits_for_host() => talk.done(Command::Resume)?,

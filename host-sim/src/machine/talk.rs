@@ -5,7 +5,7 @@ use crate::failure::CliError;
 use crate::goals::MachineArgs;
 use crate::numbers::refused;
 use crate::stream::conversation;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 use trirrr_client::describe::{self, Units};
 use trirrr_client::exchange::Exchange;
@@ -15,6 +15,9 @@ use trirrr_protocol::message::scene::{Section, SectionName};
 use trirrr_protocol::message::{Command, Message, Refusal, Reply, Status};
 use trirrr_scene::Scene;
 use trirrr_service::ServiceNumber;
+
+/// Limit of the wait for a stop to be taken.
+const REST: Duration = Duration::from_secs(1);
 
 /// Wait until a command is repeated that the machine was too busy for.
 const BUSY: Duration = Duration::from_millis(20);
@@ -121,6 +124,29 @@ impl<'a, N: ServiceNumber> Talk<'a, N> {
     /// Failure by a refusal of the board.
     pub(super) fn refused(&self, refusal: &Refusal<N>) -> CliError {
         CliError::Refused(describe::refusal(refusal, 0, &self.units))
+    }
+
+    /// Returns true if the user has asked for the end.
+    pub(super) fn is_interrupted(&self) -> bool {
+        self.stop.load(Ordering::Relaxed)
+    }
+
+    /// Has the machine come to rest on its path, behind Ctrl-C, too. Answers to what was asked before come first.
+    pub(super) fn bring_to_rest(&mut self) {
+        let begun = self.now();
+        self.inquiry.exchange.ask(Command::Stop, begun);
+        while self.now() < begun + REST {
+            self.inquiry.end = begun + REST;
+            match self.drive(&AtomicBool::new(false)) {
+                Ok(Some(Reply::Refused(Refusal::Busy))) => {
+                    let _ = self.listen(BUSY);
+                    let now = self.now();
+                    self.inquiry.exchange.ask(Command::Stop, now);
+                }
+                Ok(Some(_)) if self.inquiry.exchange.open().next().is_some() => {}
+                _ => return,
+            }
+        }
     }
 
     /// Listens for `wait`. Returns what came.

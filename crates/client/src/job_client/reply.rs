@@ -87,6 +87,15 @@ impl<N: Transmit> JobClient<N> {
                     self.schedule.look_at(now);
                 }
             }
+            // It waits for its host no more, which a status may not know yet.
+            Command::Hold => {
+                if let Some(status) = &mut self.status
+                    && status.acting == Acting::Silence
+                {
+                    status.acting = Acting::Hold;
+                }
+                self.schedule.look_at(now);
+            }
             Command::Resume => {
                 if let Some(status) = &mut self.status {
                     status.acting = Acting::Resume;

@@ -1,5 +1,6 @@
 //! Times of the next status and of the next order.
 
+use crate::exchange::status_interval;
 use std::time::Duration;
 use trirrr_protocol::message::Identity;
 
@@ -8,9 +9,6 @@ const STATUS_EVERY: Duration = Duration::from_millis(100);
 
 /// Shortest time from one status to the next where there is no news.
 const SOON: Duration = Duration::from_millis(20);
-
-/// Statuses within the host timeout, after which the machine would stop.
-const STATUS_PER_TIMEOUT: u32 = 4;
 
 /// Times of what comes next, counted from any start.
 #[derive(Clone, Debug)]
@@ -42,14 +40,7 @@ impl Schedule {
 
     /// Asks so often that the host timeout of the machine never ends.
     pub(super) fn adapt_to(&mut self, identity: &Identity) {
-        let timeout_s = f64::from(identity.silence_ticks) / identity.tick_rate_hz;
-        let interval_s = timeout_s / f64::from(STATUS_PER_TIMEOUT);
-        // Without a timeout of its own, a machine says 0 ticks.
-        if let Ok(interval) = Duration::try_from_secs_f64(interval_s)
-            && !interval.is_zero()
-        {
-            self.limit(interval);
-        }
+        self.every = status_interval(self.every, identity);
     }
 
     /// Returns the time of the next status.

@@ -19,7 +19,8 @@ use trirrr_core::setpoint::{JointMove, Pose};
 use trirrr_core::status::Status;
 use trirrr_core::tick::Tick;
 use trirrr_protocol::message::{
-    Bounded, FaultCode, JobAccount, JobLabel, Recovery, Refusal, State, TelemetryFields, Violation,
+    Acting, Bounded, FaultCode, JobAccount, JobLabel, Recovery, Refusal, State, TelemetryFields,
+    Violation,
 };
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
@@ -67,18 +68,23 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     }
 
     pub(super) fn hold(&mut self) -> Result<(), Refusal<N>> {
+        // A door outlasts a hold.
+        let acting = match self.status.acting {
+            Acting::Door => Acting::Door,
+            _ => Acting::Hold,
+        };
         match self.status.state {
-            State::Running => self.order(Order::Hold, State::Slowing),
-            State::Slowing | State::Holding => self.order(Order::Hold, self.status.state),
+            State::Running => self.order_as(Order::Hold, State::Slowing, Acting::Hold),
+            state @ (State::Slowing | State::Holding) => self.order_as(Order::Hold, state, acting),
             state => Err(Refusal::State(state)),
         }
     }
 
     pub(super) fn resume(&mut self) -> Result<(), Refusal<N>> {
         match self.status.state {
-            State::Slowing | State::Holding => {
+            state @ (State::Slowing | State::Holding) => {
                 self.require_clear_inputs()?;
-                self.order(Order::Resume, self.status.state)
+                self.order_as(Order::Resume, state, Acting::Resume)
             }
             state => Err(Refusal::State(state)),
         }

@@ -368,12 +368,17 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     /// Sends an order and, until the tick has taken it, counts on what it will make of the state. One that leaves the state as it is keeps no
     /// report back: a host may send one in each tick.
     fn order(&mut self, order: Order, state: State) -> Result<(), Refusal<N>> {
+        self.order_as(order, state, self.status.acting)
+    }
+
+    /// The same of an order that also makes the reason for which the machine stands or goes on.
+    fn order_as(&mut self, order: Order, state: State, acting: Acting) -> Result<(), Refusal<N>> {
         if !self.ends.orders.send(order) {
             return Err(Refusal::Busy);
         }
         self.view.orders_sent = self.view.orders_sent.wrapping_add(1);
-        if self.status.state != state {
-            self.status.state = state;
+        if (self.status.state, self.status.acting) != (state, acting) {
+            (self.status.state, self.status.acting) = (state, acting);
             self.view.awaited = Some(self.view.orders_sent);
         }
         Ok(())

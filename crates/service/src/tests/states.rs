@@ -383,6 +383,27 @@ fn a_host_that_orders_in_each_tick_sees_what_the_machine_does() {
     bench.until(State::Idle);
 }
 
+/// A client that resumes what waits for its host does not undo the hold that it has asked for: the status knows of it at once.
+#[test]
+fn a_status_knows_of_a_hold_that_is_on_its_way() {
+    let mut bench = Bench::<Thesis<f64>>::new();
+    bench.offer(rest(0, home(), pose(0.28, 0.28, 0.2), 5000));
+    bench.done(Command::Start);
+    bench.ticks(SILENCE + 3);
+    assert!(bench.status().waits_for_host());
+    bench.done(Command::Hold);
+    let status = bench.status();
+    assert_eq!(
+        (status.state, status.acting),
+        (State::Slowing, Acting::Hold)
+    );
+    assert!(!status.waits_for_host());
+    bench.until(State::Holding);
+    bench.done(Command::Resume);
+    assert_eq!(bench.status().acting, Acting::Resume);
+    bench.until(State::Running);
+}
+
 #[test]
 fn a_silent_host_leaves_a_job_that_waits() {
     let mut bench = Bench::<Thesis<f64>>::new();

@@ -12,7 +12,7 @@ use hold::Holds;
 use std::collections::VecDeque;
 use std::time::Duration;
 use trirrr_client::describe::{self, Units as Words};
-use trirrr_client::{Conversation, Dialogue, Patience, Turn};
+use trirrr_client::{Conversation, Dialogue, Patience, Turn, status_interval};
 use trirrr_core::setpoint::Pose;
 use trirrr_core::units::Units;
 use trirrr_grbl::{ContactsView, MachineAct, MachinePhase, MachineView, ProbeEnd};
@@ -25,7 +25,7 @@ use trirrr_scene::{Scene, offer};
 use trirrr_toolpath::ToolPlace;
 use waking::Waking;
 
-/// Time from one status to the next.
+/// Longest time from one status to the next.
 const STATUS_EVERY: Duration = Duration::from_millis(20);
 
 /// Time until a request is made again that the machine did not take yet.
@@ -76,8 +76,12 @@ pub(super) struct MachineDriver<N: Transmit> {
     changes: u64,
     asked_at: u64,
     known: u64,
+    /// Time from one status to the next.
+    every: Duration,
     look: Duration,
     pause: Duration,
+    /// Time before which no order is asked: the machine had no room for the one before.
+    busy: Duration,
     /// Moves that the machine had when it refused a start as too early.
     early: Option<u32>,
     waking: Option<Waking<N>>,
@@ -127,8 +131,10 @@ impl<N: Transmit> MachineDriver<N> {
             changes: 0,
             asked_at: 0,
             known: 0,
+            every: STATUS_EVERY,
             look: Duration::ZERO,
             pause: Duration::ZERO,
+            busy: Duration::ZERO,
             early: None,
             waking: None,
             holds: Holds::default(),
@@ -194,6 +200,13 @@ impl<N: Transmit> MachineDriver<N> {
     pub(super) fn is_off(&self) -> bool {
         let is_off = |status: &Status<N>| matches!(status.state, State::Disabled | State::Fault);
         self.orders.is_empty() && self.is_fresh() && self.status.as_ref().is_some_and(is_off)
+    }
+
+    /// Returns true while the machine comes to rest.
+    pub(super) fn is_stopping(&self) -> bool {
+        let states = [State::Slowing, State::Stopping, State::Disabling];
+        self.status
+            .is_some_and(|status| states.contains(&status.state))
     }
 
     /// Motions for which there is room, in the machine, too.
@@ -287,9 +300,14 @@ impl<N: Transmit> MachineDriver<N> {
             MachineAct::Stop => {
                 self.drop_holds();
                 self.drop_program();
-                self.order(Command::Stop);
+                self.order_stop();
             }
-            MachineAct::Feed(percent) => self.order(Command::FeedOverride { percent }),
+            MachineAct::Feed(percent) => {
+                // The last one counts.
+                let is_other = |order: &Command<N>| !matches!(order, Command::FeedOverride { .. });
+                self.orders.retain(is_other);
+                self.order(Command::FeedOverride { percent });
+            }
         }
     }
 
@@ -300,7 +318,7 @@ impl<N: Transmit> MachineDriver<N> {
         self.feed.clear();
         self.outputs.clear();
         self.piece = None;
-        self.order(Command::Stop);
+        self.order_stop();
     }
 
     /// Drops what the machine has not taken, and what it was to become.
@@ -316,8 +334,25 @@ impl<N: Transmit> MachineDriver<N> {
         self.orders.push_back(command);
     }
 
+    /// A stop waits for no other order, and ends what would begin a motion.
+    fn order_stop(&mut self) {
+        let outlasts = |order: &Command<N>| {
+            matches!(
+                order,
+                Command::FeedOverride { .. }
+                    | Command::Output { .. }
+                    | Command::Telemetry { .. }
+                    | Command::Disable
+            )
+        };
+        self.orders.retain(outlasts);
+        self.orders.push_front(Command::Stop);
+    }
+
     fn next(&mut self, now: Duration) -> Option<Command<N>> {
-        if let Some(order) = self.orders.pop_front() {
+        if now >= self.busy
+            && let Some(order) = self.orders.pop_front()
+        {
             return Some(order);
         }
         let Some(status) = self.status.filter(|_| now < self.look) else {
@@ -375,7 +410,7 @@ impl<N: Transmit> MachineDriver<N> {
     }
 
     fn on_status(&mut self, status: Status<N>, now: Duration) {
-        self.look = now + STATUS_EVERY;
+        self.look = now + self.every;
         self.known = self.asked_at;
         self.status = Some(status);
         self.lost = None;
@@ -482,7 +517,8 @@ impl<N: Transmit> Dialogue<N> for MachineDriver<N> {
             return;
         };
         match reply {
-            Reply::Hello(_) => {
+            Reply::Hello(identity) => {
+                self.every = status_interval(STATUS_EVERY, &identity);
                 self.look = now;
                 let every = (self.tick_rate_hz / SAMPLES_HZ).round().clamp(1.0, 65535.0);
                 let fields = TelemetryFields(TelemetryFields::SETPOINT.0 | TelemetryFields::TOOL.0);

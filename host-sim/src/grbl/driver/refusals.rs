@@ -39,9 +39,30 @@ impl<N: Transmit> MachineDriver<N> {
             (Command::Path(_), refusal) => {
                 self.refuse(describe::refusal(&refusal, 0, &self.words));
             }
-            (Command::Output { .. }, Refusal::Busy) => {
-                self.orders.push_front(*command);
-                self.pause = now + PAUSE;
+            // The tick takes one order at a time: none is lost. Holds and resumes are asked anew as they are needed.
+            (
+                Command::Stop
+                | Command::Disable
+                | Command::Enable
+                | Command::Home
+                | Command::Recover(_)
+                | Command::ClearFault
+                | Command::FeedOverride { .. }
+                | Command::Telemetry { .. }
+                | Command::Output { .. },
+                Refusal::Busy,
+            ) => {
+                let is_newer = |order: &Command<N>| {
+                    matches!(
+                        (order, command),
+                        (Command::FeedOverride { .. }, Command::FeedOverride { .. })
+                    )
+                };
+                if !self.orders.iter().any(is_newer) {
+                    self.orders.push_front(*command);
+                }
+                self.busy = now + PAUSE;
+                self.look = self.look.min(self.busy);
             }
             (Command::Output { .. }, refusal)
             | (Command::OutputsAt(_), refusal @ Refusal::NoOutput { .. }) => {
