@@ -36,7 +36,9 @@ impl<N: Transmit> JobClient<N> {
         let next = match (&self.phase, before) {
             (Phase::Ending(_) | Phase::Finished(_), _) => None,
             // A stop that came behind the end.
-            (Phase::Streaming, _) if self.is_played(&status) => Some(Phase::Finished(Ok(()))),
+            (Phase::Streaming, _) if self.is_played(&status) && self.left(&status).is_none() => {
+                Some(Phase::Finished(Ok(())))
+            }
             _ if self.user.has_stopped && has_ended(status.state) => {
                 let stopped = failed(self.stopped(&status));
                 Some(self.complaint(&status).unwrap_or(stopped))
