@@ -68,16 +68,15 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     }
 
     pub(super) fn hold(&mut self) -> Result<(), Refusal<N>> {
-        // A door outlasts a hold.
-        let acting = match self.status.acting {
-            Acting::Door => Acting::Door,
-            _ => Acting::Hold,
+        let state = match self.status.state {
+            State::Running => State::Slowing,
+            state @ (State::Slowing | State::Holding) => state,
+            state => return Err(Refusal::State(state)),
         };
-        match self.status.state {
-            State::Running => self.order_as(Order::Hold, State::Slowing, Acting::Hold),
-            state @ (State::Slowing | State::Holding) => self.order_as(Order::Hold, state, acting),
-            state => Err(Refusal::State(state)),
-        }
+        // A door outlasts a hold.
+        let is_door = S::Interlocks::EXISTS && self.status.acting == Acting::Door;
+        let acting = if is_door { Acting::Door } else { Acting::Hold };
+        self.order_as(Order::Hold, state, acting)
     }
 
     pub(super) fn resume(&mut self) -> Result<(), Refusal<N>> {

@@ -290,10 +290,11 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
 
     #[inline(never)]
     fn apply_report(&mut self, report: &TickReport<S>) {
-        for order in [&mut self.view.awaited, &mut self.view.adopting] {
-            // Few orders are in flight.
-            let is_ahead = |order: &u8| (report.orders.wrapping_sub(*order) as i8) < 0;
-            *order = order.filter(is_ahead);
+        // Few orders are in flight.
+        let is_ahead = |order: &u8| (report.orders.wrapping_sub(*order) as i8) < 0;
+        self.view.awaited = self.view.awaited.filter(is_ahead);
+        if ChangesOf::<S>::EXISTS {
+            self.view.adopting = self.view.adopting.filter(is_ahead);
         }
         self.view.begun = report.begun;
         self.view.passed = report.passed;
@@ -372,6 +373,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Background<'q, S> {
     }
 
     /// The same of an order that also makes the reason for which the machine stands or goes on.
+    #[inline(never)]
     fn order_as(&mut self, order: Order, state: State, acting: Acting) -> Result<(), Refusal<N>> {
         if !self.ends.orders.send(order) {
             return Err(Refusal::Busy);

@@ -5,8 +5,8 @@
 /// bounds.
 /// ```
 /// use trirrr_core::model::{Dynamic, Model};
-/// use trirrr_service::{Adjustable, ServiceNumber, input_bits::DOOR, scene};
-/// use trirrr_service::features::On;
+/// use trirrr_service::{Adjustable, ServiceNumber, scene};
+/// use trirrr_service::features::{On, input_bits::DOOR};
 ///
 /// scene! {
 ///     /// A machine with a door and spare outputs.
