@@ -365,7 +365,7 @@ class Boards(unittest.TestCase):
         scene = SCENES / "inputs/valves.toml"
         with (
             # Slow, that no state of the outputs passes between two looks.
-            Device("inputs/valves.toml", speed=0.2, more=("--press", "sheet@0")) as address,
+            Device("inputs/valves.toml", speed=0.5, more=("--press", "sheet@0")) as address,
             Board.connect(address, scene=scene) as board,
         ):
             with self.assertRaisesRegex(Refused, "not while the machine is disabled"):
@@ -379,8 +379,18 @@ class Boards(unittest.TestCase):
             while board.status().outputs_on != ("vacuum",) or board.status().inputs_active != ("sheet",):
                 time.sleep(0.01)
             board.output("vacuum", False)
-            seen = set()
-            board.run(scene, progress=lambda *_: seen.add(board.status().outputs_on))
+            seen: set[tuple[str | int, ...]] = set()
+            ended = threading.Event()
+
+            def look() -> None:
+                while not ended.wait(0.02):
+                    seen.add(board.status().outputs_on)
+
+            thread = threading.Thread(target=look)
+            thread.start()
+            board.run(scene)
+            ended.set()
+            thread.join()
             # The job switches both on, and the air off.
             self.assertLessEqual(seen, {(), ("air", "vacuum"), ("vacuum",)})
             self.assertIn(("air", "vacuum"), seen)
