@@ -17,7 +17,7 @@ const TICK: &str = "tick_observed";
 const SERVICES: usize = 8;
 
 /// Most packages that are compiled for the main job.
-const PACKAGES: usize = 107;
+const PACKAGES: usize = 110;
 
 /// Most bytes of the program.
 const PROGRAM: u64 = 30_000_000;
