@@ -85,7 +85,7 @@ impl UserCommands {
 mod tests {
     use super::*;
 
-    fn waiting(commands: &[UserCommand], asked: bool) -> std::vec::Vec<UserCommand> {
+    fn waiting(commands: &[UserCommand], asked: bool) -> Vec<UserCommand> {
         let mut waits = UserCommands::default();
         for (index, command) in commands.iter().enumerate() {
             waits.push(*command);

@@ -39,8 +39,12 @@ pub struct PlannedMoves {
 impl PlannedMoves {
     /// Duration of the moves in ticks.
     pub fn ticks(&self) -> u64 {
-        self.moves.iter().map(|each| u64::from(each.ticks)).sum()
+        ticks_of(&self.moves)
     }
+}
+
+fn ticks_of(moves: &[PlannedMove]) -> u64 {
+    moves.iter().map(|each| u64::from(each.ticks)).sum()
 }
 
 /// Duration of a cell that is not cut any more, s.
@@ -64,7 +68,7 @@ pub fn plan_moves<M: Model<N = f64>>(
     sampling: Sampling,
     mut judge: impl FnMut(&[PlannedMove]) -> Vec<Judged>,
 ) -> Result<PlannedMoves, PathRefusal> {
-    let (at_rest, paced) = (*planner, planner.paced());
+    let paced = planner.paced();
     let mut plan = course::plan(planner, pieces, effort)?;
     let other = match plan.runs.iter().any(is_limited_by_power) {
         true => course::plan(&paced, pieces, effort).ok(),
@@ -72,19 +76,21 @@ pub fn plan_moves<M: Model<N = f64>>(
     };
     let mut moves: Vec<PlannedMove> = Vec::new();
     let mut spare = spare_at_start(&sampling);
-    for (index, run) in plan.runs.iter_mut().enumerate() {
+    let runs = std::mem::take(&mut plan.runs);
+    for (index, run) in runs.into_iter().enumerate() {
         let start = moves.len();
-        let mut of_run = RunMoves::of(&at_rest, run, pieces, sampling, spare, &mut judge);
+        let duration_s = run.duration_s;
+        let mut of_run = RunMoves::of(planner, run, pieces, sampling, spare, &mut judge);
         // Neither is the faster one everywhere: where the power at rest acts, what is mended may be slow.
         if let Some(other) = other.as_ref().and_then(|plan| plan.runs.get(index))
-            && other.duration_s < FASTER * run.duration_s
+            && other.duration_s < FASTER * duration_s
         {
-            let paced = RunMoves::of(&paced, other, pieces, sampling, spare, &mut judge);
+            let paced = RunMoves::of(&paced, other.clone(), pieces, sampling, spare, &mut judge);
             of_run = RunMoves::faster(of_run, paced);
         }
         let of_run = of_run?;
         spare = of_run.spare;
-        *run = of_run.run;
+        plan.runs.push(of_run.run);
         moves.extend(of_run.moves);
         // Pieces meet but for rounding; moves do exactly.
         if start > 0 {
@@ -113,19 +119,14 @@ struct RunMoves {
 impl RunMoves {
     fn of<M: Model<N = f64>>(
         planner: &Planner<M>,
-        run: &Run,
+        mut run: Run,
         pieces: &[PathPiece],
         sampling: Sampling,
         mut spare: f64,
         judge: &mut impl FnMut(&[PlannedMove]) -> Vec<Judged>,
     ) -> Result<Self, PathRefusal> {
-        let mut run = run.clone();
         let moves = moves_of(planner, &mut run, pieces, sampling, &mut spare, judge)?;
         Ok(Self { run, moves, spare })
-    }
-
-    fn ticks(&self) -> u64 {
-        self.moves.iter().map(|each| u64::from(each.ticks)).sum()
     }
 
     fn faster(
@@ -135,7 +136,7 @@ impl RunMoves {
         match (one, other) {
             (Ok(one), Ok(other)) => {
                 let least_s = one.run.least_s.max(other.run.least_s);
-                let mut faster = match other.ticks() < one.ticks() {
+                let mut faster = match ticks_of(&other.moves) < ticks_of(&one.moves) {
                     true => other,
                     false => one,
                 };
