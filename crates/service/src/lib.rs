@@ -60,6 +60,7 @@ mod scene;
 mod service;
 mod settings;
 mod splice;
+mod states;
 mod stop;
 #[cfg(test)]
 mod tests;

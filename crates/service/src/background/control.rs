@@ -10,6 +10,7 @@ use crate::feature::Feature;
 use crate::homing::HomingCoefficients;
 use crate::number::ServiceNumber;
 use crate::scene::{ChangesOf, ModelOf, Scene};
+use crate::states::{Transition, Trigger, next};
 use core::borrow::Borrow;
 use trirrr_core::inverse::Position;
 use trirrr_core::limits::Limits;
@@ -31,9 +32,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Begins the job by `order`, a start or a run with the probe.
     #[inline(never)]
     pub(super) fn start_as(&mut self, order: Order) -> Result<(), Refusal<N>> {
-        if self.status.state != State::Idle {
-            return Err(Refusal::State(self.status.state));
-        }
+        let state = self.leads(Trigger::Start)?;
         self.require_clear_inputs()?;
         self.require_free_limits()?;
         if let Order::Probe { away } = order {
@@ -64,15 +63,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
                 Refusal::EndsMoving
             });
         }
-        self.order(order, State::Running)
+        self.order(order, state)
     }
 
     pub(super) fn hold(&mut self) -> Result<(), Refusal<N>> {
-        let state = match self.status.state {
-            State::Running => State::Slowing,
-            state @ (State::Slowing | State::Holding) => state,
-            state => return Err(Refusal::State(state)),
-        };
+        let state = self.leads(Trigger::Hold)?;
         // A door outlasts a hold.
         let is_door = S::Interlocks::EXISTS && self.status.acting == Acting::Door;
         let acting = if is_door { Acting::Door } else { Acting::Hold };
@@ -80,38 +75,35 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     }
 
     pub(super) fn resume(&mut self) -> Result<(), Refusal<N>> {
-        match self.status.state {
-            state @ (State::Slowing | State::Holding) => {
-                self.require_clear_inputs()?;
-                self.order_as(Order::Resume, state, Acting::Resume)
-            }
-            state => Err(Refusal::State(state)),
-        }
+        let state = self.leads(Trigger::Resume)?;
+        self.require_clear_inputs()?;
+        self.order_as(Order::Resume, state, Acting::Resume)
     }
 
     /// In every state: it never makes a machine move.
     pub(super) fn stop(&mut self) -> Result<(), Refusal<N>> {
-        match self.status.state {
+        match next(self.status.state, Trigger::Stop) {
             // Only a retreat is to be ended.
-            State::Reacting if S::Retreat::EXISTS => self.order(Order::Stop, State::Reacting),
-            State::Fault
-            | State::Reacting
-            | State::Cleared
-            | State::Unhomed
-            | State::Disabled
-            | State::Enabling
-            | State::Disabling => Ok(()),
-            _ => self.order(Order::Stop, State::Stopping),
+            Transition::To(State::Reacting) if !S::Retreat::EXISTS => Ok(()),
+            Transition::To(State::Reacting) => self.order(Order::Stop, State::Reacting),
+            // In idle, too: it is none until the tick has dropped the queue.
+            Transition::To(_) => self.order(Order::Stop, State::Stopping),
+            _ => Ok(()),
         }
     }
 
     pub(super) fn clear_fault(&mut self) -> Result<(), Refusal<N>> {
-        match self.status.state {
-            State::Fault | State::Disabled => {
-                self.require_released_stop()?;
-                self.order(Order::ClearFault, State::Disabled)
-            }
-            state => Err(Refusal::State(state)),
+        let state = self.leads(Trigger::ClearFault(None))?;
+        self.require_released_stop()?;
+        self.order(Order::ClearFault, state)
+    }
+
+    /// Returns the state that `trigger` leads to, or the refusal of a command that does not fit the state.
+    #[inline(always)]
+    pub(super) fn leads(&self, trigger: Trigger) -> Result<State, Refusal<N>> {
+        match next(self.status.state, trigger) {
+            Transition::To(state) => Ok(state),
+            _ => Err(Refusal::State(self.status.state)),
         }
     }
 
@@ -146,12 +138,11 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     }
 
     pub(super) fn recover(&mut self, recovery: &Recovery<N>) -> Result<(), Refusal<N>> {
-        if self.status.state != State::Cleared {
-            self.require_idle()?;
-        }
+        let state = self.leads(Trigger::Recover)?;
+        self.require_no_job()?;
         self.require_clear_inputs()?;
         let path = self.joint_path(self.view.angles, &recovery.to, recovery.ticks)?;
-        self.send_along(path, recovery.to, Order::Recover, State::Recovering)
+        self.send_along(path, recovery.to, Order::Recover, state)
     }
 
     /// Looks for the motors, and moves them to the start pose from where that ends.
@@ -159,9 +150,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         let Some(plan) = self.features.homed().map(HomingCoefficients::plan) else {
             return Err(Refusal::NoHoming);
         };
-        if !matches!(self.status.state, State::Unhomed | State::Cleared) {
-            self.require_idle()?;
-        }
+        let state = self.leads(Trigger::Home)?;
+        self.require_no_job()?;
         self.require_clear_inputs()?;
         let limits = &self.coefficients.borrow().limits;
         guard::within(Bounded::Rate, &limits.rate, plan.rates)
@@ -171,7 +161,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             })
             .map_err(|broken| too_fast(broken, false))?;
         let path = self.joint_path(plan.from, &plan.to, plan.ticks)?;
-        self.send_along(path, plan.to, Order::Home, State::Homing)
+        self.send_along(path, plan.to, Order::Home, state)
     }
 
     /// Gives `order`, with the joint move that belongs to it.
@@ -255,6 +245,14 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
             Ok(())
         } else {
             Err(Refusal::State(self.status.state))
+        }
+    }
+
+    /// Refuses while moves are queued in idle.
+    fn require_no_job(&self) -> Result<(), Refusal<N>> {
+        match self.status.state {
+            State::Idle => self.require_idle(),
+            _ => Ok(()),
         }
     }
 

@@ -8,43 +8,30 @@ use crate::guard::LimitBreach;
 use crate::handoff::{Order, Recover};
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
+use crate::states::{Transition, Trigger, next};
 use core::borrow::Borrow;
 use trirrr_core::setpoint::{JointMove, Pose};
 use trirrr_protocol::message::{NotEnabled, Refusal, State};
 
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     pub(super) fn enable(&mut self) -> Result<(), Refusal<N>> {
-        match self.status.state {
-            State::Disabled => {
-                // An acknowledgement on its way is not taken.
-                self.require_released_stop()?;
-                self.order(Order::Enable, State::Enabling)?;
-                self.status.not_enabled = None;
-                Ok(())
-            }
-            state => Err(Refusal::State(state)),
-        }
+        let state = self.leads(Trigger::Enable)?;
+        // An acknowledgement on its way is not taken.
+        self.require_released_stop()?;
+        self.order(Order::Enable, state)?;
+        self.status.not_enabled = None;
+        Ok(())
     }
 
     /// In every state, as a stop: it never makes a machine move.
     pub(super) fn disable(&mut self) -> Result<(), Refusal<N>> {
-        match self.status.state {
-            State::Reacting => self.stop(),
-            State::Disabled | State::Disabling => Ok(()),
-            State::Fault => self.order(Order::Disable, State::Fault),
-            state => {
-                let stands = matches!(
-                    state,
-                    State::Idle | State::Cleared | State::Unhomed | State::Enabling
-                );
-                self.order(
-                    Order::Disable,
-                    match stands {
-                        true => State::Disabling,
-                        false => State::Stopping,
-                    },
-                )
-            }
+        match next(self.status.state, Trigger::Disable) {
+            // The drives may be off.
+            Transition::To(State::Reacting) => self.order(Order::Disable, self.status.state),
+            Transition::To(state) => self.order(Order::Disable, state),
+            // A retreat is ended.
+            _ if self.status.state == State::Reacting => self.stop(),
+            _ => Ok(()),
         }
     }
 

@@ -6,6 +6,7 @@ use crate::feature::{Feature, Optional};
 use crate::guard::LimitBreach;
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
+use crate::states::{Transition, Trigger};
 use trirrr_protocol::message::{Acting, FaultCode, State};
 
 impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
@@ -67,7 +68,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
             probe.touch(contact);
         }
         self.note_change();
-        self.transition_to(State::Stopping, Acting::Probe);
+        self.change(Trigger::Touch, Acting::Probe);
     }
 
     /// Holds a job, and gives any other motion up, as where the host is silent. In each tick: a job that an order of this tick or moves
@@ -75,19 +76,9 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
     #[inline(never)]
     fn wait_for_door(&mut self) {
         self.leave();
-        match self.state {
-            State::Running | State::Slowing => {
-                self.travel.held = true;
-                self.transition_to(State::Slowing, Acting::Door);
-            }
-            State::Holding => {
-                self.travel.held = true;
-                self.transition_to(State::Holding, Acting::Door);
-            }
-            State::Recovering | State::Homing => {
-                self.features.stop_homing();
-                self.transition_to(State::Stopping, Acting::Door);
-            }
+        match self.change(Trigger::Door, Acting::Door) {
+            Transition::To(State::Stopping) => self.features.stop_homing(),
+            Transition::To(_) => self.travel.held = true,
             _ => {}
         }
     }

@@ -20,6 +20,7 @@ use super::guard::{Guard, LimitBreach};
 use super::handoff::QueuedMove;
 use super::pace::{FULL, Pace, RoomCount};
 use super::settings::Settings;
+use super::states::{Transition, Trigger, next};
 use crate::feature::Optional;
 use crate::feedback::Readings;
 use crate::homing::Cycle;
@@ -397,22 +398,18 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E>
     /// Sets the angles of the motors as encoders measured them. Accepted only at rest. The platform's pose is unknown afterwards
     /// until a [recovery](trirrr_protocol::message::Command::Recover). Returns false if the machine moves.
     pub fn set_position(&mut self, angles: [N::Angle; 3]) -> bool {
-        let waits = match self.state {
-            State::Idle => self.travel.current.is_none() && self.next_move().is_none(),
-            State::Unhomed => true,
-            _ => false,
-        };
-        let is_lost = matches!(self.state, State::Fault | State::Cleared | State::Disabled);
-        if !waits && !is_lost {
+        let transition = next(self.state, Trigger::Measured);
+        let has_moves = self.travel.current.is_some() || self.next_move().is_some();
+        if transition == Transition::Refused || (self.state == State::Idle && has_moves) {
             return false;
         }
         for (motor, angle) in self.output.motors.iter_mut().zip(angles) {
             motor.angle = angle;
         }
         self.supply.set_lost(true);
-        if waits {
+        if transition != Transition::Kept {
             self.drop_queue();
-            self.transition_to(State::Cleared, Acting::Nothing);
+            self.change(Trigger::Measured, Acting::Nothing);
         }
         self.note_change();
         true
@@ -440,10 +437,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E>
             return;
         }
         self.host.silent = self.host.silent.saturating_add(1);
-        let moves = matches!(
-            self.state,
-            State::Running | State::Recovering | State::Homing
-        );
+        let moves = matches!(next(self.state, Trigger::Silence), Transition::To(_));
         if moves && self.host.timeout_ticks != 0 && self.host.silent >= self.host.timeout_ticks {
             self.miss_host();
         }
@@ -452,12 +446,10 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E>
     /// The host is lost. A job waits on its path for one that resumes it; other motion ends.
     #[cold]
     fn miss_host(&mut self) {
-        if self.state == State::Running {
-            self.travel.held = true;
-            return self.transition_to(State::Slowing, Acting::Silence);
+        match self.change(Trigger::Silence, Acting::Silence) {
+            Transition::To(State::Stopping) => self.features.stop_homing(),
+            _ => self.travel.held = true,
         }
-        self.features.stop_homing();
-        self.transition_to(State::Stopping, Acting::Silence);
     }
 
     /// Something changed that was not reported, if anybody is told.
@@ -468,6 +460,35 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E>
         }
     }
 
+    /// Goes where `trigger` leads, if anywhere, for a reason. Returns where that is.
+    #[inline(always)]
+    pub(super) fn change(&mut self, trigger: Trigger, acting: Acting) -> Transition {
+        let transition = next(self.state, trigger);
+        if let Transition::To(state) = transition {
+            self.enter(state, trigger, acting);
+        }
+        transition
+    }
+
+    /// Goes to `state`, to which `trigger` leads.
+    #[inline(always)]
+    pub(super) fn enter(&mut self, state: State, trigger: Trigger, acting: Acting) {
+        #[cfg(test)]
+        crate::tests::take_note(self.state, trigger);
+        let _ = trigger;
+        self.transition_to(state, acting);
+    }
+
+    /// Returns the state that `trigger` leads to, if it leads on.
+    #[inline(always)]
+    pub(super) fn leads(&self, trigger: Trigger) -> Option<State> {
+        match next(self.state, trigger) {
+            Transition::To(state) => Some(state),
+            _ => None,
+        }
+    }
+
+    #[inline(never)]
     fn transition_to(&mut self, state: State, acting: Acting) {
         if self.state != state || self.acting != acting {
             if self.ends.shared().is_some() {

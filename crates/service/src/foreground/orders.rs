@@ -7,6 +7,7 @@ use crate::feature::Optional;
 use crate::guard::Guard;
 use crate::number::ServiceNumber;
 use crate::scene::{CurvesOf, Scene};
+use crate::states::{Transition, Trigger};
 use trirrr_core::setpoint::wrapped;
 use trirrr_protocol::message::{Acting, State};
 
@@ -107,17 +108,16 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S, ForegroundEnds<'q,
     }
 
     fn recover(&mut self) -> bool {
-        let waits = matches!(self.state, State::Idle | State::Cleared);
-        if !waits || self.features.is_open() {
+        let (Some(state), false) = (self.leads(Trigger::Recover), self.features.is_open()) else {
             self.ends.take_recovery();
             return false;
-        }
+        };
         self.drop_queue();
         self.supply.set_lost(true);
         self.travel.path = Path::Joints;
         self.travel.part = Part::WHOLE;
         self.begin();
-        self.transition_to(State::Recovering, Acting::Nothing);
+        self.enter(state, Trigger::Recover, Acting::Nothing);
         true
     }
 
@@ -126,21 +126,13 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>> Foreground<'_, S, ForegroundEnds<'q,
             // The machine holds already, and for a reason that outlasts this one.
             return;
         }
-        match self.state {
-            State::Running => {
-                self.travel.held = true;
-                self.transition_to(State::Slowing, Acting::Hold);
-            }
-            // What it waits for changes: it does not go on by itself any more. A door outlasts it: the path was left without the tool.
-            State::Slowing | State::Holding => {
-                self.travel.held = true;
-                let acting = match self.job.left {
-                    Some(_) => Acting::Door,
-                    None => Acting::Hold,
-                };
-                self.transition_to(self.state, acting);
-            }
-            _ => {}
+        // A door outlasts it: the path was left without the tool.
+        let acting = match self.job.left {
+            Some(_) => Acting::Door,
+            None => Acting::Hold,
+        };
+        if let Transition::To(_) = self.change(Trigger::Hold, acting) {
+            self.travel.held = true;
         }
     }
 }
@@ -153,7 +145,10 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
         let enough =
             E::IS_WHOLE || ahead.rests_from(self.job.begun) || self.travel.feed.is_enough(0, room);
         let is_blocked = self.features.is_open() || self.features.is_at_limit();
-        if self.state != State::Idle || is_blocked || !(enough || full) {
+        let Some(state) = self.leads(Trigger::Start) else {
+            return false;
+        };
+        if is_blocked || !(enough || full) {
             return false;
         }
         if !self.begin_next() {
@@ -164,22 +159,22 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
             // More does not fit in: slowly, as what there is allows.
             self.travel.feed.end();
         }
-        self.transition_to(State::Running, Acting::Nothing);
+        self.enter(state, Trigger::Start, Acting::Nothing);
         true
     }
 
     pub(crate) fn home(&mut self) {
-        let waits = matches!(self.state, State::Unhomed | State::Idle | State::Cleared);
-        if !waits || !self.features.needs_homing() || self.features.is_open() {
+        let fits = self.features.needs_homing() && !self.features.is_open();
+        let (Some(state), true) = (self.leads(Trigger::Home), fits) else {
             self.ends.take_recovery();
             return;
-        }
+        };
         self.drop_queue();
         if let Some(cycle) = self.features.homing() {
             cycle.begin();
         }
         self.host.silent = 0;
-        self.transition_to(State::Homing, Acting::Nothing);
+        self.enter(state, Trigger::Home, Acting::Nothing);
     }
 
     /// At the start of a path, which starts at rest: normal speed at once.
@@ -192,26 +187,21 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
     }
 
     pub(super) fn stop(&mut self) {
-        match self.state {
-            State::Running | State::Slowing | State::Holding | State::Recovering => {
-                self.transition_to(State::Stopping, Acting::Stop);
-            }
-            State::Stopping => self.transition_to(State::Stopping, Acting::Stop),
-            State::Homing => {
-                self.features.stop_homing();
-                self.transition_to(State::Stopping, Acting::Stop);
-            }
-            State::Idle => {
-                self.drop_queue();
-                self.transition_to(State::Idle, Acting::Nothing);
-            }
-            State::Reacting => self.stop_retreat(),
-            State::Fault
-            | State::Cleared
-            | State::Unhomed
-            | State::Disabled
-            | State::Enabling
-            | State::Disabling => {}
+        self.stop_by(Trigger::Stop);
+    }
+
+    /// Stops because of `trigger`, a stop or a disable.
+    pub(super) fn stop_by(&mut self, trigger: Trigger) {
+        let acting = match self.state {
+            State::Idle => Acting::Nothing,
+            State::Reacting => self.acting,
+            _ => Acting::Stop,
+        };
+        match self.change(trigger, acting) {
+            Transition::To(State::Idle) => self.drop_queue(),
+            Transition::To(State::Reacting) => self.stop_retreat(),
+            Transition::To(_) => self.features.stop_homing(),
+            _ => {}
         }
     }
 }

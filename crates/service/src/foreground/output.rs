@@ -7,10 +7,11 @@ use crate::feature::Optional;
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
 use crate::settings::StopCategory;
+use crate::states::{Transition, Trigger};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::{JointSetpoint, Setpoint};
 use trirrr_core::tick::Motor;
-use trirrr_protocol::message::{Acting, Fault, FaultCode, State};
+use trirrr_protocol::message::{Acting, Fault, FaultCode};
 
 /// Commands to the motors and the tool until the next tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -100,10 +101,9 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
     /// leaves no motion, the drives go off at once.
     #[cold]
     pub(super) fn latch(&mut self, broken: LimitBreach<N>) {
-        let category = match self.state {
-            State::Fault | State::Reacting | State::Enabling => StopCategory::Off,
-            _ if !self.output.is_on() || !E::CHANGES_PACE => StopCategory::Off,
-            _ => self.reaction(broken.code),
+        let category = match self.leads(Trigger::FaultOnPath) {
+            Some(_) if self.output.is_on() && E::CHANGES_PACE => self.reaction(broken.code),
+            _ => StopCategory::Off,
         };
         if !self.state.has_fault() {
             self.ends.tell_fault(Fault {
@@ -143,7 +143,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
         self.output.power = Power::Off;
         self.output.brake_released = false;
         self.supply.fail();
-        if self.state != State::Fault {
+        if let Transition::To(_) = self.change(Trigger::FaultAtOnce, self.acting) {
             if matches!(self.travel.path, Path::Joints | Path::JointsEnded)
                 || self.features.is_homing()
             {
@@ -153,7 +153,6 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
                 cycle.abandon();
             }
             self.drop_queue();
-            self.transition_to(State::Fault, self.acting);
         }
     }
 }

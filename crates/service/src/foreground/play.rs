@@ -8,6 +8,7 @@ use super::super::pace::{FULL, MovePaces, Pace};
 use super::{Foreground, Part, Path, Target, TickEnds};
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
+use crate::states::{Known, Trigger};
 use trirrr_core::number::Number;
 use trirrr_core::setpoint::Setpoint;
 use trirrr_protocol::message::{Acting, State};
@@ -56,12 +57,12 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
                 self.travel.path = Path::Joints;
                 self.travel.part = Part::WHOLE;
                 self.begin();
-                self.transition_to(State::Recovering, Acting::Nothing);
+                self.change(Trigger::Found, Acting::Nothing);
                 self.target(self.travel.feed.steady())
             }
             Progress::Stopped => {
                 self.ends.take_recovery();
-                self.rest_in(State::Unhomed, self.acting);
+                self.end_motion(Known::NOTHING, self.acting);
                 Target::Still
             }
             Progress::Failed { code, motor, limit } => {
@@ -88,7 +89,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
                     self.take_next();
                     if !enough {
                         self.travel.feed.end();
-                        self.transition_to(State::Holding, Acting::QueueDry);
+                        self.change(Trigger::StandsDry, Acting::QueueDry);
                     }
                     return;
                 }
@@ -110,7 +111,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
                 if stopping {
                     self.drop_queue();
                 }
-                self.rest_in(State::Idle, acting);
+                self.end_motion(Known::POSE, acting);
             }
             Path::JointsEnded => {
                 if let Some(recovery) = self.ends.take_recovery() {
@@ -119,7 +120,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
                 self.travel.path = Path::None;
                 self.travel.feed.end();
                 self.supply.set_lost(false);
-                self.rest_in(State::Idle, Acting::Nothing);
+                self.end_motion(Known::POSE, Acting::Nothing);
             }
             _ => {}
         }
@@ -149,12 +150,12 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
                 let faster = self.faster();
                 if self.reaches(faster) {
                     if faster.slope == 0 && self.travel.feed.is_at_goal() {
-                        self.transition_to(State::Running, Acting::Nothing);
+                        self.change(Trigger::AtPace, Acting::Nothing);
                     }
                     return faster;
                 }
                 if !self.gets_no_more() {
-                    self.transition_to(State::Slowing, Acting::QueueDry);
+                    self.change(Trigger::RunsDry, Acting::QueueDry);
                 } else if let steady = self.travel.feed.steady()
                     && self.reaches(steady)
                 {
@@ -163,7 +164,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
             }
             State::Recovering => return self.faster(),
             State::Holding if !self.travel.held && self.has_enough() => {
-                self.transition_to(State::Running, Acting::Resume);
+                self.change(Trigger::GoesOn, Acting::Resume);
                 let faster = self.faster();
                 return match self.reaches(faster) {
                     true => faster,
@@ -171,7 +172,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
                 };
             }
             State::Holding if !self.travel.held => {
-                self.transition_to(State::Holding, Acting::QueueDry);
+                self.change(Trigger::RunsDry, Acting::QueueDry);
             }
             _ => {}
         }
@@ -461,7 +462,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
             return;
         }
         match self.state {
-            State::Slowing => self.transition_to(State::Holding, self.acting),
+            State::Slowing => _ = self.change(Trigger::Rests, self.acting),
             State::Stopping | State::Reacting => {
                 let on_path = matches!(self.travel.path, Path::Move | Path::Ended);
                 if !on_path {
@@ -469,8 +470,11 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
                 }
                 self.drop_queue();
                 // In a recovery the platform's pose is not known.
-                let state = if on_path { State::Idle } else { State::Cleared };
-                self.rest_in(state, self.acting);
+                let known = match on_path {
+                    true => Known::POSE,
+                    false => Known::ANGLES,
+                };
+                self.end_motion(known, self.acting);
             }
             _ => {}
         }

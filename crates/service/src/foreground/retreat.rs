@@ -5,6 +5,7 @@ use super::{Foreground, Path, Target, TickEnds};
 use crate::feature::Optional;
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
+use crate::states::Known;
 use trirrr_protocol::message::{FaultCode, State};
 
 impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
@@ -75,7 +76,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
     pub(super) fn go_back(&mut self) -> Target<N> {
         let levels = self.features.trail.get_mut().and_then(|trail| trail.step());
         let Some([before, level]) = levels else {
-            self.rest_in(State::Fault, self.acting);
+            self.end_motion(Known::POSE, self.acting);
             return Target::Setpoint(Self::standing(self.pose));
         };
         self.step_back(before + level);

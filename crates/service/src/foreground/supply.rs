@@ -8,6 +8,7 @@ use crate::guard::LimitBreach;
 use crate::number::ServiceNumber;
 use crate::scene::Scene;
 use crate::settings::{PowerTimes, Reactions, StopCategory};
+use crate::states::{Known, Transition, Trigger};
 use trirrr_protocol::message::{Acting, DriveFault, DriveState, FaultCode, State};
 
 /// Progress of switching on or off.
@@ -76,9 +77,9 @@ impl Supply {
 impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
     /// Switches the drives on: at once, or, if they tell where they are, once they have told it.
     pub(crate) fn enable(&mut self) {
-        if self.state != State::Disabled {
+        let Transition::To(_) = self.change(Trigger::Enable, Acting::Nothing) else {
             return;
-        }
+        };
         self.supply.countdown = self.supply.times.enable_ticks();
         self.output.power = Power::On;
         let needs_homing = self.features.needs_homing();
@@ -90,27 +91,26 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
             self.supply.phase = EnablePhase::Check;
             self.output.power = Power::Check;
         }
-        self.transition_to(State::Enabling, Acting::Nothing);
     }
 
     /// Comes to rest, then switches the drives off.
     pub(super) fn disable(&mut self) {
-        match self.state {
-            State::Disabled | State::Disabling | State::Reacting => {}
-            State::Fault if !self.output.is_on() => {}
+        match self.leads(Trigger::Disable) {
+            Some(State::Reacting) if !self.output.is_on() => {}
             // The drives hold after a fault: they go off, and the fault stays.
-            State::Fault => {
+            Some(state @ State::Reacting) => {
                 self.supply.category = StopCategory::StopThenOff;
-                self.transition_to(State::Reacting, self.acting);
+                self.enter(state, Trigger::Disable, self.acting);
                 self.end_reaction();
             }
-            State::Idle | State::Cleared | State::Unhomed | State::Enabling => {
-                self.begin_disabling(Acting::Nothing);
+            Some(state @ State::Disabling) => {
+                self.begin_disabling(state, Trigger::Disable, Acting::Nothing);
             }
-            _ => {
+            Some(_) => {
                 self.supply.ends = true;
-                self.stop();
+                self.stop_by(Trigger::Disable);
             }
+            None => {}
         }
     }
 
@@ -127,25 +127,22 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
         if let Some(watch) = self.features.feedback.get_mut() {
             watch.acknowledge(false);
         }
-        match self.state {
-            State::Fault if self.output.is_on() => {
-                let state = self.ready_state();
-                self.transition_to(state, self.acting);
-            }
-            State::Fault | State::Disabled => {
-                self.supply.countdown = 1;
-                self.transition_to(State::Disabled, self.acting);
-            }
-            _ => {}
+        let known = self.output.is_on().then(|| self.known());
+        if self.change(Trigger::ClearFault(known), self.acting) == Transition::To(State::Disabled) {
+            self.supply.countdown = 1;
         }
     }
 
-    /// The motion has come to rest for good: `state` follows, unless the machine is to be switched off.
-    pub(super) fn rest_in(&mut self, state: State, acting: Acting) {
-        match self.supply.ends {
-            _ if self.state == State::Reacting => self.end_reaction(),
-            true => self.begin_disabling(acting),
-            false => self.transition_to(state, acting),
+    /// The motion has come to rest for good.
+    pub(super) fn end_motion(&mut self, known: Known, acting: Acting) {
+        if self.state == State::Reacting {
+            return self.end_reaction();
+        }
+        // Nobody switches off a machine with a job of its own.
+        let ends = !E::IS_WHOLE && self.supply.ends;
+        match self.leads(Trigger::EndsOff).filter(|_| ends) {
+            Some(state) => self.begin_disabling(state, Trigger::EndsOff, acting),
+            None => _ = self.change(Trigger::Ends(known), acting),
         }
     }
 
@@ -158,7 +155,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
             State::Running | State::Slowing | State::Stopping | State::Recovering | State::Homing
         );
         self.features.stop_homing();
-        self.transition_to(State::Reacting, self.acting);
+        self.change(Trigger::FaultOnPath, self.acting);
         if !moves {
             self.end_reaction();
         }
@@ -169,17 +166,17 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
         self.drop_queue();
         self.supply.ends = false;
         if self.supply.category == StopCategory::StopAndHold {
-            self.transition_to(State::Fault, self.acting);
+            self.change(Trigger::Reacted, self.acting);
             return;
         }
         self.engage_brake();
     }
 
-    fn begin_disabling(&mut self, acting: Acting) {
+    fn begin_disabling(&mut self, state: State, trigger: Trigger, acting: Acting) {
         self.drop_queue();
         self.supply.ends = false;
         self.engage_brake();
-        self.transition_to(State::Disabling, acting);
+        self.enter(state, trigger, acting);
     }
 
     fn engage_brake(&mut self) {
@@ -201,20 +198,19 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
                 let release = self.supply.times.brake_release_ticks;
                 self.output.brake_released = left <= release;
                 if !counting {
-                    let state = self.ready_state();
-                    self.transition_to(state, self.acting);
+                    self.change(Trigger::DrivesOn(self.known()), self.acting);
                 }
             }
             State::Disabling | State::Reacting if counting => {}
             State::Disabling => {
                 self.output.power = Power::Off;
-                self.transition_to(State::Disabled, self.acting);
+                self.change(Trigger::DrivesOff, self.acting);
             }
             State::Reacting => {
                 self.output.power = Power::Off;
                 // Without current a motor without an encoder may lose its place.
                 self.supply.lost = true;
-                self.transition_to(State::Fault, self.acting);
+                self.change(Trigger::DrivesOff, self.acting);
             }
             _ => {
                 self.output.power = match counting {
@@ -226,12 +222,12 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
         self.stand()
     }
 
-    /// State of a machine that stands with its drives on.
-    fn ready_state(&self) -> State {
+    /// Returns what is known of where the machine stands.
+    fn known(&self) -> Known {
         match (self.features.needs_homing(), self.supply.lost) {
-            (true, _) => State::Unhomed,
-            (false, true) => State::Cleared,
-            (false, false) => State::Idle,
+            (true, _) => Known::NOTHING,
+            (false, true) => Known::ANGLES,
+            (false, false) => Known::POSE,
         }
     }
 
@@ -313,7 +309,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'_, S, E> {
     fn give_up(&mut self) {
         self.output.power = Power::Off;
         self.supply.countdown = 0;
-        self.transition_to(State::Disabled, self.acting);
+        self.change(Trigger::DrivesOff, self.acting);
     }
 
     /// Watches the drives that are on.

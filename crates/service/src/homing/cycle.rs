@@ -164,7 +164,8 @@ impl<'a, N: Number, O: Optional<Option<[N::Angle; 3]>>> Cycle<'a, N, O> {
     }
 
     pub(crate) fn stop(&mut self) {
-        if self.is_under_way() {
+        // Once: each would begin the ramp anew.
+        if !matches!(self.phase, Phase::Ended | Phase::Stopping) {
             self.enter(Phase::Stopping);
         }
     }

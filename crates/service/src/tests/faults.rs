@@ -1,5 +1,6 @@
 //! Faults, and the way out of them.
 
+use super::transitions::{assert_taken, taken};
 use super::*;
 use trirrr_core::number::{Arithmetic, Fixed};
 use trirrr_protocol::message::{Acting, Bounded, DriveFault, FaultCode, Recovery};
@@ -123,6 +124,7 @@ fn singular_poses_are_left_in_joint_space() {
         let mut bench = Bench::<Thesis<f64>>::new();
         // The motors are there; nobody knows how they came there.
         assert!(bench.service.foreground.set_position(angles));
+        assert_taken(taken::MEASURED_IN_IDLE);
         bench.ticks(1);
         assert_eq!(bench.state(), State::Cleared);
         for (motor, angle) in bench.service.foreground.output().motors.iter().zip(angles) {

@@ -1,6 +1,7 @@
 //! Emergency stop, door, limit switches and probe.
 
 use super::homing::home_angles;
+use super::transitions::{assert_taken, taken};
 use super::*;
 use crate::settings::StopCategory;
 use trirrr_protocol::message::{
@@ -500,6 +501,7 @@ fn homing_is_given_up_where_the_door_opens() {
     guarded.open(true);
     guarded.tick();
     assert_eq!(guarded.bench.state(), State::Stopping);
+    assert_taken(taken::DOOR_IN_HOMING);
     assert_eq!(guarded.bench.status().acting, Acting::Door);
     guarded.until(State::Unhomed);
     assert_eq!(guarded.bench.refused(Command::Home), Refusal::DoorOpen);

@@ -22,8 +22,11 @@ mod shared;
 mod splice;
 mod states;
 mod threads;
+mod transitions;
 mod updates;
 mod values;
+
+pub(crate) use transitions::take_note;
 
 use super::*;
 use crate::admission::Enclose;

@@ -1,5 +1,6 @@
 //! Stops at faults, by category.
 
+use super::transitions::{assert_taken, taken};
 use super::*;
 use crate::settings::StopCategory;
 use trirrr_protocol::message::{Acting, Bounded, DriveFault, FaultCode, Recovery};
@@ -124,6 +125,54 @@ fn category_2_stops_and_holds() {
     assert!(!bench.service.output().is_on());
     assert_eq!(bench.state(), State::Fault);
     assert!(bench.status().fault.is_some());
+    assert_taken(taken::DRIVES_THAT_HOLD);
+}
+
+/// Behind a stop that kept the drives on, a machine whose pose is not known waits to be moved to one, or to be homed.
+#[test]
+fn drives_that_hold_a_lost_machine_are_let_on() {
+    let settings = || Settings {
+        reactions: all(StopCategory::StopAndHold),
+        ..settings()
+    };
+    let mut bench = Bench::<Thesis<f64>>::set(
+        Adjustable::new(example(), LimitParameters::default()),
+        home(),
+        settings(),
+    );
+    bench.done(Command::Recover(Recovery {
+        to: pose(0.25, 0.25, 0.1),
+        ticks: 100,
+    }));
+    bench.until(State::Recovering);
+    bench.ticks(5);
+    fail_and_let_on(&mut bench);
+    bench.until(State::Cleared);
+    assert_taken(taken::DRIVES_THAT_HOLD_LOST);
+
+    let coefficients =
+        HomingCoefficients::build(&super::homing::parameters(Contact::Switch), PERIOD_S);
+    let scene = SceneParts {
+        homing: Some(&*Box::leak(Box::new(coefficients))),
+        ..Adjustable::new(example(), LimitParameters::default()).into()
+    };
+    let mut bench = Bench::<Homed<f64>>::set(scene, home(), settings());
+    assert_eq!(bench.state(), State::Unhomed);
+    fail_and_let_on(&mut bench);
+    bench.until(State::Unhomed);
+    assert_taken(taken::DRIVES_THAT_HOLD_UNHOMED);
+}
+
+/// A fault of a machine whose drives hold, and its acknowledgement.
+fn fail_and_let_on<S: Scene<N = f64>>(bench: &mut Bench<S>) {
+    let code = FaultCode::Drive(DriveFault::Reported);
+    bench.service.raise(code, Some(1), 5.0, 0.0);
+    for _ in 0..100 {
+        assert!(bench.service.tick().is_on());
+    }
+    assert_eq!(bench.state(), State::Fault);
+    bench.done(Command::ClearFault);
+    bench.service.tick();
 }
 
 /// A limit that a tick's result breaks stops the machine on its path, over the limit for as long as it takes.

@@ -132,6 +132,7 @@ impl<const ON_PATH: bool> Explored for GuardedMachine<ON_PATH> {
 fn an_emergency_stop_and_a_door_are_survivable_and_have_a_way_out() {
     // All but those of homing.
     let kinds = explore::<GuardedMachine<false>>(Some(DEPTH)).kinds;
+    assert_taken(taken::GUARDED_MACHINE);
     assert_eq!(kinds.len(), 12, "{kinds:?}");
 }
 

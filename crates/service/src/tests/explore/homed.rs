@@ -173,6 +173,7 @@ fn quick() -> HomingParameters {
 #[test]
 fn homing_is_survivable_and_has_a_way_out() {
     let kinds = explore::<HomedMachine>(Some(DEPTH)).kinds;
+    assert_taken(taken::HOMED_MACHINE);
     // All there are.
     assert_eq!(kinds.len(), 14, "{kinds:?}");
 }

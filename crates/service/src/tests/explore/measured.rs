@@ -221,6 +221,7 @@ impl<const FEELS: bool> Explored for DrivenMachine<FEELS> {
 #[test]
 fn drives_that_tell_are_survivable_and_have_a_way_out() {
     let kinds = explore::<DrivenMachine<false>>(Some(DEPTH)).kinds;
+    assert_taken(taken::MEASURED_MACHINE);
     // All but those of homing.
     assert_eq!(kinds.len(), 12, "{kinds:?}");
 }

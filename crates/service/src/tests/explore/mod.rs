@@ -13,6 +13,7 @@ mod moving;
 mod plain;
 mod touching;
 
+use super::transitions::{assert_taken, taken};
 use super::*;
 use crate::settings::{PowerTimes, Reactions};
 use std::collections::{BTreeSet, VecDeque};

@@ -60,6 +60,7 @@ impl Explored for MovingMachine {
 #[test]
 fn every_goal_in_motion_leads_on() {
     assert!(explore::<MovingMachine>(Some(DEPTH)).kinds.len() >= 4);
+    assert_taken(taken::MOVING_MACHINE);
 }
 
 /// The search ends by itself: there are no other states.

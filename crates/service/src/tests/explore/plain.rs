@@ -55,6 +55,7 @@ impl Explored for PlainMachine {
 fn every_command_is_survivable_and_every_state_has_a_way_out() {
     // All but those of homing.
     assert_eq!(explore::<PlainMachine>(Some(DEPTH)).kinds.len(), 12);
+    assert_taken(taken::PLAIN_MACHINE);
 }
 
 /// The search ends by itself: there are no other states.

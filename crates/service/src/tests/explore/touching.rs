@@ -160,6 +160,7 @@ impl Explored for TouchingMachine {
 fn a_probe_and_limit_switches_are_survivable_and_have_a_way_out() {
     // All but those of homing.
     let kinds = explore::<TouchingMachine>(Some(DEPTH)).kinds;
+    assert_taken(taken::TOUCHING_MACHINE);
     assert_eq!(kinds.len(), 12, "{kinds:?}");
 }
 

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::number::ServiceNumber;
+use crate::tests::transitions::{assert_taken, taken};
 use trirrr_core::machine::Quantity;
 use trirrr_core::number::{Coarse, Fixed};
 use trirrr_protocol::message::{Acting, Bounded, Recovery, scene};
@@ -286,6 +287,7 @@ fn angles_from_elsewhere_take_the_place_of_homing() {
     assert!(machine.bench.service.foreground.set_position(angles));
     machine.bench.ticks(1);
     assert_eq!(machine.bench.state(), State::Cleared);
+    assert_taken(taken::MEASURED_UNHOMED);
     machine.bench.done(Command::Recover(Recovery {
         to: home(),
         ticks: 200,
