@@ -3,7 +3,7 @@
 //! A board implements [`Chip`] and calls [`failure_handlers!`](crate::failure_handlers) once.
 #![allow(unsafe_code)]
 
-use crate::cause;
+use crate::service::cause;
 use core::ops::Range;
 use core::panic::PanicInfo;
 use trirrr_protocol::message::{NAME_CAPACITY, Registers, Start};

@@ -21,84 +21,39 @@
 
 #[cfg(all(target_os = "none", autonomous))]
 mod alone;
-#[cfg(all(target_os = "none", not(autonomous)))]
-mod background;
-#[cfg(all(target_os = "none", not(autonomous)))]
-pub mod cause;
-#[cfg(target_os = "none")]
 pub mod digital;
 #[cfg(target_os = "none")]
 pub mod failure;
-#[cfg(all(target_os = "none", feature = "fault-injection"))]
-mod fault_injection;
-#[cfg(target_os = "none")]
-mod heartbeat;
-#[cfg(all(target_os = "none", update))]
-mod image_flash;
-#[cfg(target_os = "none")]
+#[cfg(all(target_os = "none", not(autonomous)))]
+mod host;
 pub mod inputs;
-#[cfg(target_os = "none")]
+mod label;
 mod lamp;
-#[cfg(all(target_os = "none", not(autonomous)))]
-mod line;
-#[cfg(all(target_os = "none", not(autonomous)))]
-mod log;
-#[cfg(all(target_os = "none", not(autonomous)))]
-mod log_start;
 #[cfg(target_os = "none")]
 mod memory;
-#[cfg(all(target_os = "none", autonomous))]
-mod no_log;
-#[cfg(target_os = "none")]
 pub mod outputs;
-#[cfg(target_os = "none")]
 pub mod pins;
-#[cfg(all(target_os = "none", feature = "ruled-switches"))]
-mod ruled_switches;
 pub mod scene;
-#[cfg(all(target_os = "none", not(autonomous)))]
-mod service;
-#[cfg(all(target_os = "none", autonomous))]
-pub mod short_cause;
 #[cfg(all(target_os = "none", drive = "stepper"))]
 pub mod slots;
-#[cfg(all(target_os = "none", scene_over_line))]
-mod stored_scene;
 #[cfg(target_os = "none")]
 mod tick;
-#[cfg(target_os = "none")]
-mod tick_clock;
-#[cfg(all(target_os = "none", update))]
-mod update;
-#[cfg(all(target_os = "none", not(autonomous)))]
-pub mod usb;
-#[cfg(target_os = "none")]
-mod wired;
+#[cfg(not(tool = "none"))]
+pub mod tool;
 
 #[cfg(all(target_os = "none", autonomous))]
 use alone as service;
-#[cfg(all(target_os = "none", autonomous))]
-pub use alone::Background;
-#[cfg(all(target_os = "none", update, feature = "stm32g474"))]
-pub use image_flash::is_lost_expected;
-#[cfg(all(target_os = "none", autonomous))]
-pub use short_cause as cause;
-#[cfg(all(target_os = "none", update))]
-pub use update::ImageLabel;
 #[cfg(all(target_os = "none", not(autonomous)))]
-pub use {
-    background::Background,
-    line::{BAUD, IN_FLIGHT, IS_FIXED, ReceivedBytes},
-    log::LOG_BAUD,
-};
+use host as service;
+#[cfg(all(target_os = "none", not(autonomous)))]
+pub use host::{BAUD, IN_FLIGHT, IS_FIXED, LOG_BAUD, ReceivedBytes, is_lost_expected, usb};
+pub use label::ImageLabel;
+pub use lamp::LampPin;
+pub use outputs::{Output, Readings};
 #[cfg(target_os = "none")]
 pub use {
-    heartbeat::WATCHDOG_MS,
-    lamp::LampPin,
-    outputs::{Output, Readings},
-    service::{Channels, build},
-    tick::Tick,
-    tick_clock::{TickClock, period},
+    service::{Background, Channels, build, cause, played_steps},
+    tick::{Tick, TickClock, WATCHDOG_MS, period},
 };
 
 /// Defines the program of a board's package: its library, or on a host a refusal.

@@ -7,8 +7,7 @@ use embedded_hal::digital::OutputPin;
 use trirrr_core::number::Arithmetic;
 use trirrr_drives::bldc::{Bldcs, LoopLine};
 use trirrr_drives::can::{Bus, CanDrives, Protocol};
-use trirrr_drives::stepper::Steppers;
-#[cfg(not(tool = "none"))]
+use trirrr_drives::stepper::{Steppers, StepsPerTurn};
 use trirrr_drives::tool::{ToolLine, ToolOutput};
 use trirrr_drives::{Failure, ObeyingDrives};
 use trirrr_protocol::message::{DriveReading, State};
@@ -18,6 +17,9 @@ pub type Readings = trirrr_service::board::Readings<Scalar>;
 
 /// Output of a tick.
 pub type Output = trirrr_service::Output<Scalar>;
+
+/// Steps in a turn of each joint, and the motors that turn against theirs.
+pub type Steps = ([StepsPerTurn; 3], [bool; 3]);
 
 /// Sink of a tick's output: the drives of a board.
 pub trait Outputs {
@@ -298,18 +300,7 @@ impl<P: OutputPin> OutputPart for BrakePin<P> {
     }
 }
 
-/// Line to the tool at the output `T`.
-#[cfg(not(tool = "none"))]
-pub type SceneTool<T> = ToolLine<T, { crate::scene::tool::DELAY }>;
-
-/// Starts the line to a tool that is off.
-#[cfg(not(tool = "none"))]
-pub fn tool_line<T: ToolOutput>(tool: T) -> SceneTool<T> {
-    ToolLine::new(tool, crate::scene::tool::HOLDS)
-}
-
-#[cfg(not(tool = "none"))]
-impl<T: ToolOutput> OutputPart for SceneTool<T> {
+impl<T: ToolOutput, const DELAY: usize> OutputPart for ToolLine<T, DELAY> {
     #[inline(always)]
     fn work(&mut self, power: Scalar, runs: bool) {
         self.apply(power, runs);

@@ -1,8 +1,9 @@
 //! Slots of steppers: their number in a tick, and what the tick hands to them.
 
+use crate::outputs::Steps;
 use crate::scene::TICK_RATE_HZ;
 use crate::scene::drive::{MOST_PER_TICK, PER_TURN, REVERSED};
-use trirrr_drives::stepper::{Line, StepsPerTurn, slot_rate_hz, slots_per_tick};
+use trirrr_drives::stepper::{Line, slot_rate_hz, slots_per_tick};
 
 /// Positions from the tick to the slots.
 pub static LINE: Line = Line::new();
@@ -20,12 +21,8 @@ pub const PER_TICK: u32 = slots_per_tick(MOST);
 /// Slots per second, rounded up.
 pub const SLOT_HZ: u32 = slot_rate_hz(MOST, TICK_RATE_HZ) as u32 + 1;
 
-/// Steps in a turn of each joint, and the motors that turn against theirs.
+/// Steps of the scene that is played.
 #[inline]
-pub fn steps() -> ([StepsPerTurn; 3], [bool; 3]) {
-    #[cfg(scene_over_line)]
-    if let Some(steps) = crate::stored_scene::steps() {
-        return steps;
-    }
-    (PER_TURN, REVERSED)
+pub fn steps() -> Steps {
+    crate::played_steps().unwrap_or((PER_TURN, REVERSED))
 }

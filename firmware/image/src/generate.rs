@@ -63,7 +63,7 @@ pub fn units(scene: &Scene, scalar: &str) -> Result<Units, RangeError> {
 ///
 /// The file names the [features](trirrr_service::features::Feature) of the scene as types. Sets as `cfg`s what source depends on beside them:
 /// `drive = "..."` and `tool = "..."`, the kinds of drives and tool; `homing`, `brake`, `lamp`, `digital`; `autonomous` for one without a host; `update` for a program that may
-/// be replaced over the line, `scene_over_line` for one that takes other scenes, `adjustable` for one that clients may change. A package
+/// be replaced over the line, `scene_over_line` for one that takes other scenes. A package
 /// with a `links` key hands them on to the build scripts of its dependents, with the [needs](Needs) of the scene. Cargo warns of
 /// a scene that lacks limits of its motors.
 ///
@@ -127,7 +127,6 @@ pub fn build_script(root: &Path) -> Result<(), Box<dyn Error>> {
     for (name, value) in needs.map_err(in_file)?.metadata() {
         println!("cargo:{name}={value}");
     }
-    print_contact(&scene, scalar);
     Ok(())
 }
 
@@ -179,10 +178,6 @@ fn print_kinds(scene: &Scene) {
     if scene.spare_pins.are_named() {
         println!("cargo:rustc-cfg=digital");
     }
-    println!("cargo:rustc-check-cfg=cfg(adjustable)");
-    if scene.service.adjustable {
-        println!("cargo:rustc-cfg=adjustable");
-    }
     println!("cargo:rustc-check-cfg=cfg(autonomous)");
     if scene.service.autonomous.is_some() {
         println!("cargo:rustc-cfg=autonomous");
@@ -208,14 +203,6 @@ fn print_kind(name: &str, kinds: &[&str], kind: &str) {
     println!("cargo:rustc-check-cfg=cfg({name}, values({kinds}))");
     println!("cargo:{name}s={kinds}");
     println!("cargo:rustc-cfg={name}={kind:?}");
-}
-
-/// Sets `cfg(contact_refused)` for a scene that detects contacts, where the number type `scalar` cannot.
-fn print_contact(scene: &Scene, scalar: &str) {
-    println!("cargo:rustc-check-cfg=cfg(contact_refused)");
-    if scene.contact.is_some() && scalar == FIXED {
-        println!("cargo:rustc-cfg=contact_refused");
-    }
 }
 
 #[cfg(test)]

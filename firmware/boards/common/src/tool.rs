@@ -4,8 +4,8 @@
 #[cfg(tool = "level")]
 pub mod level {
     use crate::BoardPin;
-    use trirrr_app::outputs::{SceneTool, tool_line};
     use trirrr_app::scene::tool::INVERTED;
+    use trirrr_app::tool::{SceneTool, tool_line};
     use trirrr_drives::Active;
     use trirrr_drives::tool::LevelOutput;
 

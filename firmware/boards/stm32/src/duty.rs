@@ -3,8 +3,8 @@
 use crate::board::{Tool, ToolEnable, ToolPins};
 use crate::clock::Clocks;
 use crate::timers::ToolTimer;
-use trirrr_app::outputs::{SceneTool, tool_line};
 use trirrr_app::scene::tool::{CUTS, ENABLE, FREQUENCY_HZ, INVERTED, SPAN};
+use trirrr_app::tool::{SceneTool, tool_line};
 use trirrr_boards::BoardPin;
 use trirrr_drives::Enable;
 use trirrr_drives::tool::DutyOutput;

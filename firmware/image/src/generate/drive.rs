@@ -11,7 +11,10 @@ use trirrr_drives::stepper::{StepsPerTurn, slot_rate_hz};
 use trirrr_scene::{CanProtocol, Drive, DriveKind, EnableLevel, Scene, Stepper};
 
 /// The kinds of drive, as `cfg(drive = "...")` has them in an image.
-pub(super) const KINDS: &[&str] = &[NONE, "stepper", "bldc", "odrive", "mit", "moteus"];
+pub(super) const KINDS: &[&str] = &[NONE, STEPPER, "bldc", "odrive", "mit", "moteus"];
+
+/// Steppers.
+pub(super) const STEPPER: &str = "stepper";
 
 /// No drive.
 const NONE: &str = "none";
@@ -47,7 +50,7 @@ pub fn kind(scene: &Scene) -> &'static str {
         return NONE;
     };
     match drive.kind {
-        DriveKind::Stepper(_) => "stepper",
+        DriveKind::Stepper(_) => STEPPER,
         DriveKind::Bldc(_) => "bldc",
         DriveKind::Can(can) => match can.protocol {
             CanProtocol::Odrive => "odrive",

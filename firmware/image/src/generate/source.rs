@@ -2,7 +2,7 @@
 
 use super::constant::constant;
 use super::kinds::{Machine, ModelPath};
-use super::{COARSE, FIXED, autonomous, over_line};
+use super::{COARSE, FIXED, autonomous, drive, over_line};
 use nalgebra::Vector3;
 use std::error::Error;
 use std::fmt::Write;
@@ -69,6 +69,10 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     };
     file.line(&format!("pub type Planner = {planner};"));
     features(&mut file, scene, scalar);
+    let can_feel = scene.contact.is_none() || scalar != FIXED;
+    file.constant("CAN_FEEL", "bool", can_feel.to_string());
+    let has_steppers = drive::kind(scene) == drive::STEPPER;
+    file.constant("HAS_STEPPERS", "bool", has_steppers.to_string());
     file.constant("NAME", "&str", format!("{:?}", scene.name));
     file.constant("TICK_RATE_HZ", "f64", format!("{:?}", scene.tick_rate_hz));
     file.constant("PERIOD_S", "f64", format!("{:?}", scene.period_s()));
@@ -87,6 +91,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     );
     let coefficients = format!("{service}::coefficients::Coefficients<Model>");
     file.global("COEFFICIENTS", &coefficients, coefficients_source);
+    file.line(machine_source(scene.service.adjustable));
     let (parameters_type, limits_type) = (
         "trirrr_core::machine::Parameters",
         "trirrr_core::limits::LimitParameters",
@@ -145,7 +150,7 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
 
     if let Some(contact) = &scene.contact {
         let parameters = contact.parameters(scene.tick_rate_hz);
-        // None in fixed point: an image with it is refused, by `cfg(contact_refused)`.
+        // None in fixed point: an image with it is refused, by `CAN_FEEL`.
         if let Some(coefficients) = ContactCoefficients::<N>::build(&parameters, scene.period_s()) {
             let contact_type = format!("{service}::coefficients::ContactCoefficients<Scalar>");
             file.global("CONTACT", &contact_type, constant(&coefficients));
@@ -219,6 +224,21 @@ fn features(file: &mut File, scene: &Scene, scalar: &str) {
     }
     let levels = scene.service.power_lists.to_string();
     file.constant("LEVELS", "usize", levels);
+}
+
+/// The machine with its limits: clients may change them, or the coefficients are in the image.
+fn machine_source(is_adjustable: bool) -> &'static str {
+    match is_adjustable {
+        true => {
+            "pub type Machine = trirrr_service::Adjustable<Model, Curves, Planner>;\n\
+             #[allow(dead_code)]\npub fn machine() -> Machine { Machine::new(PARAMETERS, LIMITS) }"
+        }
+        false => {
+            "pub type Machine = trirrr_service::board::Compiled<'static, Model, Curves, Planner>;\n\
+             #[allow(dead_code)]\npub fn machine() -> Machine {\n\
+             Machine { coefficients: &COEFFICIENTS, parts: PARTS, types: core::marker::PhantomData }\n}"
+        }
+    }
 }
 
 /// The function that makes the values of the features, around a machine.

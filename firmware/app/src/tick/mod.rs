@@ -1,15 +1,25 @@
 //! The tick: inputs, service, drives, and the time that all of it took.
 
-use crate::heartbeat;
+mod calls;
+#[cfg(feature = "fault-injection")]
+mod fault_injection;
+pub(crate) mod heartbeat;
+#[cfg(feature = "ruled-switches")]
+mod ruled_switches;
+mod tick_clock;
+mod wired;
+
+pub use heartbeat::WATCHDOG_MS;
+pub use tick_clock::{TickClock, period};
+
 use crate::inputs::Inputs;
 use crate::outputs::Outputs;
 use crate::scene::Scalar;
-use crate::service::{self, SceneForeground};
-use crate::tick_clock::TickClock;
-use crate::wired::{Wired, wire};
+use crate::service::SceneForeground;
 use trirrr_core::number::Arithmetic;
 use trirrr_drives::Failure;
 use trirrr_protocol::message::{Board, FaultCode};
+use wired::{Wired, wire};
 
 /// Half of the service that ticks, between the inputs `I` and the outputs `O` of a board.
 pub struct Tick<I, O> {
@@ -30,7 +40,7 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
         clock: TickClock,
     ) -> Self {
         if board.start.is_failure() {
-            service::raise(
+            calls::raise(
                 &mut foreground,
                 FaultCode::Board,
                 None,
@@ -58,7 +68,7 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
         self.foreground.hear(self.outputs.measure());
         self.foreground.sense(self.inputs.interlocks());
         self.foreground.sense_digital(self.inputs.digital());
-        service::tick(&mut self.foreground, closed);
+        calls::tick(&mut self.foreground, closed);
         if let Some(by) = self.foreground.shift() {
             self.outputs.shift(by);
             self.inputs.shift(by);
@@ -87,9 +97,9 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
             limit,
             ..
         } = *failure;
-        service::raise(&mut self.foreground, failure.code(), drive, [value, limit]);
+        calls::raise(&mut self.foreground, failure.code(), drive, [value, limit]);
         if let Some(angles) = self.outputs.angles() {
-            service::set_position(&mut self.foreground, angles);
+            calls::set_position(&mut self.foreground, angles);
         }
         self.switch_off();
     }
@@ -106,7 +116,7 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
     #[inline]
     fn report_timing(&mut self) {
         let (duration, period) = (self.clock.elapsed(), self.clock.period());
-        if service::report_timing(&mut self.foreground, duration, period) {
+        if calls::report_timing(&mut self.foreground, duration, period) {
             heartbeat::beat();
         } else {
             heartbeat::miss();

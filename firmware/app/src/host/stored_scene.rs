@@ -1,76 +1,19 @@
-//! Scene that has come over the line: kept in the flash, and played from the next start on in place of the image's own.
+//! Scene that has come over the line: played from the next start on in place of the image's own.
 
-use crate::image_flash::{ImageFlash, LAYOUT};
-use crate::scene::{Contact, Curves, Feedback, Homing, Model, PERIOD_S, Planner};
-use crate::scene::{SCENE_OWNER, SETTINGS, Scalar, TYPES};
-use crate::service::{ImageScene, Machine, PlayedScene, own_scene};
-use crate::update::{NewImage, flash_refusal};
-#[cfg(drive = "stepper")]
+use super::image_scene::{ImageScene, PlayedScene, own_scene};
+use super::update::{ImageFlash, LAYOUT, NewImage, values};
+use crate::outputs::Steps;
+use crate::scene::{self, Contact, Feedback, Homing, PERIOD_S, SCENE_OWNER, SETTINGS, Scalar};
 use core::cell::Cell;
-#[cfg(drive = "stepper")]
 use cortex_m::interrupt::{self, Mutex};
-use trirrr_boot::{Slot, WholeImage, keep, kept, read, spare};
+use trirrr_boot::kept;
 use trirrr_core::machine::Geometry;
 use trirrr_core::number::WideArithmetic as _;
-#[cfg(drive = "stepper")]
 use trirrr_drives::stepper::StepsPerTurn;
-use trirrr_protocol::message::{SceneHeader, SceneRoom, UpdateRefusal};
-use trirrr_protocol::wire::of_bytes;
 use trirrr_service::coefficients::SceneValues;
 use trirrr_service::coefficients::{ContactCoefficients, FeedbackCoefficients, HomingCoefficients};
 use trirrr_service::features::Feature;
 use trirrr_service::{SceneParts, Settings};
-
-/// Room for the values of a scene.
-pub(crate) const ROOM: SceneRoom = SceneRoom {
-    room: SceneValues::LONGEST as u32,
-    layout: SceneValues::LAYOUT,
-    types: TYPES,
-};
-
-const _: () = assert!(
-    ROOM.room <= LAYOUT.scenes[0].room(),
-    "a slot has room for the longest values"
-);
-
-/// Slot for values with this `header`, and its room in bytes.
-pub(crate) fn room_for(header: &SceneHeader) -> Result<(Slot, u32), UpdateRefusal> {
-    if let Some(need) = TYPES.lacks(&header.types).iter().next() {
-        return Err(UpdateRefusal::SceneNeeds(need));
-    }
-    if header.layout != ROOM.layout {
-        return Err(UpdateRefusal::SceneLayout);
-    }
-    let slot = spare(&ImageFlash::take(), &LAYOUT.scenes, SCENE_OWNER);
-    Ok((slot, ROOM.room))
-}
-
-/// Checks the values in `slot`, and keeps them: the next start takes them.
-pub(crate) fn keep_values(
-    flash: &mut ImageFlash,
-    slot: &Slot,
-    content: WholeImage,
-) -> Result<(), UpdateRefusal> {
-    let mut room = [0; SceneValues::LONGEST];
-    let bytes = read(flash, slot, content.length, &mut room);
-    values(bytes.ok_or(UpdateRefusal::SceneLayout)?)?;
-    keep(flash, &LAYOUT.scenes, slot, SCENE_OWNER, content).map_err(flash_refusal)
-}
-
-/// The values in `bytes`, if this image can play them.
-#[inline(never)]
-fn values(bytes: &[u8]) -> Result<SceneValues, UpdateRefusal> {
-    let values: SceneValues = of_bytes(bytes).ok_or(UpdateRefusal::SceneLayout)?;
-    let is_of_types = values.homing.is_some() == Homing::EXISTS
-        && values.feedback.is_some() == Feedback::EXISTS
-        && values.contact.is_some() == Contact::EXISTS
-        && values.steppers.is_some() == cfg!(drive = "stepper");
-    match is_of_types {
-        true => values.check::<Model, Curves, Planner>(&SETTINGS)?,
-        false => return Err(UpdateRefusal::SceneLayout),
-    }
-    Ok(values)
-}
 
 /// The newest scene in the flash that this image can play.
 #[inline(never)]
@@ -81,17 +24,11 @@ fn stored() -> Option<SceneValues> {
         .find_map(|kept| values(kept.read(&flash, &mut room)?).ok())
 }
 
-/// Steps in a turn of each joint, and the motors that turn against theirs.
-#[cfg(drive = "stepper")]
-type Steps = ([StepsPerTurn; 3], [bool; 3]);
-
-/// Those of the scene in the flash, once it is played.
-#[cfg(drive = "stepper")]
+/// Steps of the scene in the flash, once it is played.
 static STEPS: Mutex<Cell<Option<Steps>>> = Mutex::new(Cell::new(None));
 
-/// Steps of the scene that is played. `None` for those of the image.
-#[cfg(drive = "stepper")]
-pub(crate) fn steps() -> Option<Steps> {
+/// Steps of the scene that is played. `None` for those of the image, and without steppers.
+pub fn played_steps() -> Option<Steps> {
     interrupt::free(|token| STEPS.borrow(token).get())
 }
 
@@ -134,14 +71,13 @@ fn build(
         let built = ContactCoefficients::build(&values.contact?, PERIOD_S)?;
         contact = Some(&*cortex_m::singleton!(: ContactCoefficients<Scalar> = built)?);
     }
-    #[cfg(drive = "stepper")]
-    {
+    if scene::HAS_STEPPERS {
         let steppers = values.steppers?;
         let per_turn = steppers.map(|motor| StepsPerTurn::new(motor.microsteps, motor.gear_ratio));
         let steps = (per_turn, steppers.map(|motor| motor.reversed));
         interrupt::free(|token| STEPS.borrow(token).set(Some(steps)));
     }
-    parts.machine = Machine::new(parameters, values.limits());
+    parts.machine = scene::Machine::new(parameters, values.limits());
     (parts.homing, parts.feedback, parts.contact) = (homing, feedback, contact);
     Some(settings)
 }

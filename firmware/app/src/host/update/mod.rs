@@ -1,20 +1,63 @@
 //! Update over the line: the image goes into the slot of the new one, and the boot loader installs it. Values of a
 //! scene go into one of two slots of their own, of an image that takes them.
 
-use crate::heartbeat;
-use crate::image_flash::{ImageFlash, LAYOUT};
-use crate::scene::TICK_RATE_HZ;
+mod image_flash;
 #[cfg(scene_over_line)]
-use crate::stored_scene;
+mod scene_slot;
+
+pub use image_flash::is_lost_expected;
+pub(crate) use image_flash::{ImageFlash, LAYOUT};
+#[cfg(scene_over_line)]
+pub(crate) use scene_slot::values;
+
+use crate::scene::TICK_RATE_HZ;
+use crate::tick::heartbeat;
 use core::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use cortex_m::peripheral::SCB;
-use trirrr_boot::{
-    FlashError, JournalError, ReceiveError, Receiver, Slot, Stage, WholeImage, confirm, stage,
-};
+use image_flash::refusal;
+use scene_slot::SceneSlot;
+use trirrr_boot::{Receiver, Slot, Stage, WholeImage, confirm, stage};
 use trirrr_protocol::message::{
-    Firmware, ImageHeader, SceneHeader, UpdateOutcome, UpdateRefusal, UpdateStatus, UpdateStep,
+    Firmware, ImageHeader, UpdateOutcome, UpdateRefusal, UpdateStatus, UpdateStep,
 };
 use trirrr_service::features::{ImageSlot, check_image};
+
+/// Values of a scene are not taken.
+#[cfg(not(scene_over_line))]
+mod scene_slot {
+    use super::ImageFlash;
+    use trirrr_boot::{Receiver, Slot};
+    use trirrr_protocol::message::{SceneHeader, SceneRoom, UpdateRefusal};
+
+    #[derive(Debug)]
+    pub(super) struct SceneSlot;
+
+    impl SceneSlot {
+        pub(super) const NONE: Self = Self;
+
+        pub(super) const ROOM: Option<SceneRoom> = None;
+
+        pub(super) fn slot(&self) -> Option<Slot> {
+            None
+        }
+
+        pub(super) fn begin(
+            &mut self,
+            _: &SceneHeader,
+            _: &mut Receiver,
+        ) -> Result<(), UpdateRefusal> {
+            Err(UpdateRefusal::NoScene)
+        }
+
+        pub(super) fn finish(
+            &mut self,
+            _: &mut ImageFlash,
+            _: &mut Receiver,
+        ) -> Result<bool, UpdateRefusal> {
+            Ok(false)
+        }
+    }
+}
 
 /// Ticks from the answer to a restart until it: all answers are out.
 const RESTART_TICKS: u32 = (TICK_RATE_HZ / 10.0) as u32 + 1;
@@ -23,25 +66,6 @@ const RESTART_TICKS: u32 = (TICK_RATE_HZ / 10.0) as u32 + 1;
 static RESTARTS: AtomicBool = AtomicBool::new(false);
 static ASKED_AT: AtomicU32 = AtomicU32::new(0);
 
-/// Label of the image, by which a host finds its build in the file.
-#[derive(Debug)]
-#[repr(C)]
-pub struct ImageLabel {
-    mark: [u8; 16],
-    /// Build of the image.
-    pub firmware: Firmware,
-}
-
-impl ImageLabel {
-    /// Label of an image with this build.
-    pub const fn new(firmware: Firmware) -> Self {
-        Self {
-            mark: *trirrr_protocol::message::IMAGE_MARK,
-            firmware,
-        }
-    }
-}
-
 /// Slot of the new image.
 #[derive(Debug)]
 pub struct NewImage {
@@ -49,56 +73,26 @@ pub struct NewImage {
     /// Build of the program that runs.
     firmware: &'static Firmware,
     /// Slot of the values of a scene, if such come.
-    #[cfg(scene_over_line)]
-    scene: Option<Slot>,
+    scene: SceneSlot,
+}
+
+/// The slot, of a program of this build.
+pub(crate) fn new_image(firmware: &'static Firmware) -> NewImage {
+    NewImage {
+        receiver: Receiver::NONE,
+        firmware,
+        scene: SceneSlot::NONE,
+    }
 }
 
 impl NewImage {
-    pub(crate) fn new(firmware: &'static Firmware) -> Self {
-        Self {
-            receiver: Receiver::NONE,
-            firmware,
-            #[cfg(scene_over_line)]
-            scene: None,
-        }
-    }
-
     /// Slot of what comes.
-    #[cfg(not(scene_over_line))]
     fn slot(&self) -> Slot {
-        LAYOUT.new
-    }
-
-    #[cfg(scene_over_line)]
-    fn slot(&self) -> Slot {
-        self.scene.unwrap_or(LAYOUT.new)
-    }
-
-    #[cfg(not(scene_over_line))]
-    fn begin_scene(&mut self, _: &SceneHeader) -> Result<(), UpdateRefusal> {
-        Err(UpdateRefusal::NoScene)
-    }
-
-    #[cfg(scene_over_line)]
-    fn begin_scene(&mut self, header: &SceneHeader) -> Result<(), UpdateRefusal> {
-        let (slot, room) = stored_scene::room_for(header)?;
-        let values = WholeImage {
-            length: header.length,
-            checksum: header.checksum,
-        };
-        let begun = self.receiver.begin(room, values);
-        begun.map_err(|error| refusal(error, room))?;
-        self.scene = Some(slot);
-        Ok(())
+        self.scene.slot().unwrap_or(LAYOUT.new)
     }
 
     fn finish(&mut self, flash: &mut ImageFlash) -> Result<(), UpdateRefusal> {
-        #[cfg(scene_over_line)]
-        if let Some(slot) = &self.scene {
-            let values = self.receiver.whole();
-            let values = values.map_err(|error| refusal(error, slot.room()))?;
-            stored_scene::keep_values(flash, slot, values)?;
-            self.scene = None;
+        if self.scene.finish(flash, &mut self.receiver)? {
             return Ok(());
         }
         let finished = self.receiver.finish(flash, &LAYOUT);
@@ -114,10 +108,7 @@ impl NewImage {
         let room = LAYOUT.new.bytes();
         let begun = self.receiver.begin(room, image);
         begun.map_err(|error| refusal(error, room))?;
-        #[cfg(scene_over_line)]
-        {
-            self.scene = None;
-        }
+        self.scene = SceneSlot::NONE;
         Ok(())
     }
 }
@@ -129,7 +120,7 @@ impl ImageSlot for NewImage {
         let mut flash = ImageFlash::take();
         match step {
             UpdateStep::Begin(header) => self.begin(header),
-            UpdateStep::BeginScene(header) => self.begin_scene(header),
+            UpdateStep::BeginScene(header) => self.scene.begin(header, &mut self.receiver),
             UpdateStep::Block(block) => {
                 let slot = self.slot();
                 let taken = self
@@ -161,28 +152,9 @@ impl ImageSlot for NewImage {
             coming: self.receiver.image().map(|image| image.checksum),
             received: self.receiver.received(),
             outcome,
-            #[cfg(not(scene_over_line))]
-            scene: None,
-            #[cfg(scene_over_line)]
-            scene: Some(stored_scene::ROOM),
+            scene: SceneSlot::ROOM,
         })
     }
-}
-
-/// Refusal of what has at most `longest` bytes.
-fn refusal(error: ReceiveError, longest: u32) -> UpdateRefusal {
-    match error {
-        ReceiveError::Length => UpdateRefusal::Length { longest },
-        ReceiveError::NotBegun => UpdateRefusal::NotBegun,
-        ReceiveError::Offset { expected } => UpdateRefusal::Block { expected },
-        ReceiveError::Checksum { found } => UpdateRefusal::Checksum { found },
-        ReceiveError::Journal(JournalError::Full) => UpdateRefusal::JournalFull,
-        ReceiveError::Journal(JournalError::Flash(error)) => flash_refusal(error),
-    }
-}
-
-pub(crate) fn flash_refusal(FlashError { place, status }: FlashError) -> UpdateRefusal {
-    UpdateRefusal::Flash { place, status }
 }
 
 /// Confirms the program that runs: a host understands it. Does nothing unless it is on trial.

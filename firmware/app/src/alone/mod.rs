@@ -1,12 +1,15 @@
 //! Service of a scene without a host: the tick, with the job in flash, and what is left to do below it.
 
+pub mod cause;
+mod no_log;
+
 pub(crate) use self::LoneForeground as SceneForeground;
 pub use self::{NoChannels as Channels, WatchdogKeeper as Background};
-use crate::heartbeat::Monitor;
-use crate::inputs::{Angle, Closed};
-use crate::scene::{self, Curves, Model, Scalar};
+use crate::outputs::Steps;
+use crate::scene::{self, Curves, Model};
+use crate::tick::heartbeat::Monitor;
 use core::marker::PhantomData;
-use trirrr_protocol::message::{Board, FaultCode, Firmware};
+use trirrr_protocol::message::{Board, Firmware};
 use trirrr_service::board::Compiled;
 use trirrr_service::features::{OwnJob, OwnJobParts};
 
@@ -23,36 +26,6 @@ pub(crate) type LoneForeground = trirrr_service::board::Foreground<
     ImageScene,
     OwnJob<'static, ImageScene, { scene::PACED }>,
 >;
-
-/// Plays a tick.
-// A call: here it is compiled for size. The flash of a small board is worth more than the time, which is proven by the watch over the tick.
-#[inline(never)]
-pub(crate) fn tick(foreground: &mut SceneForeground, closed: Closed) {
-    foreground.tick_with(closed);
-}
-
-/// Latches a fault from outside. A call, as those that follow: for size, too.
-#[inline(never)]
-pub(crate) fn raise(
-    foreground: &mut SceneForeground,
-    code: FaultCode,
-    index: Option<u8>,
-    [value, limit]: [Scalar; 2],
-) {
-    foreground.raise(code, index, value, limit);
-}
-
-/// Takes angles that drives have counted.
-#[inline(never)]
-pub(crate) fn set_position(foreground: &mut SceneForeground, angles: [Angle; 3]) {
-    foreground.set_position(angles);
-}
-
-/// Reports the latency of a tick. Returns true if it was in time.
-#[inline(never)]
-pub(crate) fn report_timing(foreground: &mut SceneForeground, duration: u32, period: u32) -> bool {
-    foreground.report_timing(duration, period)
-}
 
 /// Memory between both halves: there is one.
 pub struct NoChannels;
@@ -111,4 +84,9 @@ impl<W, L, R> WatchdogKeeper<W, L, R> {
             }
         }
     }
+}
+
+/// Steps of the scene that is played: those of the image.
+pub fn played_steps() -> Option<Steps> {
+    None
 }

@@ -1,9 +1,9 @@
 //! Inputs of this image: those of the board, and around them the wrapper of a test image.
 
 #[cfg(all(feature = "fault-injection", not(feature = "ruled-switches")))]
-pub(crate) use crate::fault_injection::{FaultInjection as Wired, wire};
+pub(crate) use super::fault_injection::{FaultInjection as Wired, wire};
 #[cfg(feature = "ruled-switches")]
-pub(crate) use crate::ruled_switches::{RuledInputs as Wired, wire};
+pub(crate) use super::ruled_switches::{RuledInputs as Wired, wire};
 #[cfg(not(any(feature = "fault-injection", feature = "ruled-switches")))]
 pub(crate) use bare::{Wired, wire};
 

@@ -1,7 +1,7 @@
 //! Line to the host: bytes to requests, messages to frames.
 
+use super::image_scene::{Message, MessageRef, Request};
 use crate::scene::Scalar;
-use crate::service::{Message, MessageRef, Request};
 use embedded_hal_nb::serial::Write;
 use heapless::spsc::Consumer;
 use trirrr_core::number::Arithmetic;

@@ -1,17 +1,13 @@
 //! Work below the tick, a bounded slice at a time.
 
-use crate::heartbeat::Monitor;
-use crate::line::{Line, ReceivedBytes};
-use crate::log;
+use super::image_scene::{MessageRef, SceneBackground};
+use super::line::{Line, ReceivedBytes};
+use super::{log, update};
 use crate::scene::{Interlocks, Scalar};
-use crate::service::{MessageRef, SceneBackground};
-#[cfg(update)]
-use crate::update;
+use crate::tick::heartbeat::Monitor;
 use embedded_hal_nb::serial::Write;
 use heapless::spsc::Consumer;
-use trirrr_protocol::message::Event;
-#[cfg(update)]
-use trirrr_protocol::message::Reply;
+use trirrr_protocol::message::{Event, Reply};
 use trirrr_service::features::Feature;
 
 /// Messages between two slices, at the most: as many as samples wait.
@@ -64,7 +60,6 @@ impl<W: Write<u8>, L: Write<u8>, R: ReceivedBytes> Background<W, L, R> {
             }
             step(&mut self.service);
             log::drain(&mut self.log);
-            #[cfg(update)]
             update::restart_if_asked();
         }
     }
@@ -114,7 +109,6 @@ fn put_reply(service: &mut SceneBackground, line: &mut Line) -> bool {
         },
     };
     // A host that speaks in this layout can talk to the program, and replace it.
-    #[cfg(update)]
     if let Reply::Hello(_) = &reply {
         update::confirm_program();
     }
