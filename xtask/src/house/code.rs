@@ -90,6 +90,20 @@ pub(super) fn lines_by_room(sources: &[Source]) -> BTreeMap<String, usize> {
     rooms
 }
 
+/// Lines of a room that choose by `cfg`, `cfg_attr` or `cfg!`, each with its place.
+pub(super) fn conditions(sources: &[Source], room: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for Source { path, text, .. } in sources.iter().filter(|it| it.path.starts_with(room)) {
+        for (index, line) in text.lines().enumerate() {
+            let chooses = ["cfg(", "cfg_attr(", "cfg!("].iter();
+            if chooses.into_iter().any(|word| line.contains(word)) {
+                found.push(format!("{}:{}: {}", path.display(), index + 1, line.trim()));
+            }
+        }
+    }
+    found
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,6 +124,15 @@ mod tests {
         );
         assert_eq!(wide(&sources, 1), ["2: A in core/src/a.rs"]);
         assert!(wide(&sources, 2).is_empty());
+    }
+
+    #[test]
+    fn every_form_of_a_cfg_is_found_in_its_room_alone() {
+        let sources = source(
+            "#[cfg(a)]\nmod b;\n#[cfg_attr(a, inline)]\nfn c() { cfg!(a); }\n/// cfgs\nmod d;\n",
+        );
+        assert_eq!(conditions(&sources, "core").len(), 3);
+        assert!(conditions(&sources, "firmware/app").is_empty());
     }
 
     #[test]

@@ -20,7 +20,13 @@ const QUESTIONS: usize = 20;
 const REPEATED_NAMES: usize = 14;
 
 /// Circles of three files and more in a crate.
-const CIRCLES: usize = 1;
+const CIRCLES: usize = 0;
+
+/// Lines with a `cfg` in [`APP`], for 1,000 lines of its code.
+const CONDITIONS: usize = 25;
+
+/// Room of what all boards run: modules and types choose there.
+const APP: &str = "firmware/app";
 
 #[derive(clap::Args)]
 pub(crate) struct HouseArgs {
@@ -93,6 +99,8 @@ fn figures(sources: &[Source]) -> Result<Vec<Figure>> {
     let repeated = code::repeated(sources, 3);
     let questions = prose::questions(sources);
     let circles = circles::find(sources);
+    let conditions = code::conditions(sources, APP);
+    let app = rooms.get(APP).copied().unwrap_or(1);
     let upward = packages::upward()?;
     let (links, tables) = (documents.lost_links, documents.cut_tables);
     Ok(vec![
@@ -104,6 +112,12 @@ fn figures(sources: &[Source]) -> Result<Vec<Figure>> {
             REPEATED_NAMES,
         ),
         Figure::of("circles of three files and more", circles, CIRCLES),
+        Figure {
+            name: "cfgs in 1,000 lines of firmware/app",
+            value: 1000 * conditions.len() / app,
+            most: Some(CONDITIONS),
+            findings: conditions,
+        },
         Figure::of("dependencies against the direction of the rooms", upward, 0),
         Figure::of("links of documents that lead nowhere", links, 0),
         Figure::of("tables of documents that an empty line cuts", tables, 0),
