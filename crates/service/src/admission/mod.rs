@@ -44,11 +44,12 @@ mod shortest;
 mod taylor;
 mod two_word;
 
-pub use enclose::{Centre, Enclose};
+pub use enclose::Enclose;
 #[doc(hidden)]
 pub use instances::instances;
 pub use path::Path;
-pub use retarget::{Aim, Aiming, Blocked, Retarget, RetargetRefusal, RetargetTask, Retargeted};
+pub(crate) use retarget::Aiming;
+pub use retarget::{Aim, Blocked, Retarget, RetargetRefusal, RetargetTask, Retargeted};
 pub use taylor::{AngleModel, ModelLine, TaylorModel};
 pub use two_word::TwoWord;
 
