@@ -36,9 +36,9 @@ impl Uncertain {
         Scene {
             parameters: self.parameters,
             tolerances: Some(self.tolerances),
-            job: Job {
-                start: pose(self.from),
-                moves: vec![JobMove {
+            job: Job::of(
+                pose(self.from),
+                vec![JobMove {
                     from: pose(self.from),
                     to: pose(self.to),
                     start_velocity: Vector3::zeros(),
@@ -47,11 +47,7 @@ impl Uncertain {
                     duration_ticks: TICKS,
                     tool: None,
                 }],
-                path: None,
-                spool: None,
-                levels: trirrr_scene::JobLevels::default(),
-                outputs: trirrr_scene::JobOutputs::default(),
-            },
+            ),
             ..Scene::parse(THESIS, "thesis.toml").expect("the thesis scene")
         }
     }

@@ -51,14 +51,9 @@ impl BlockCutter {
     pub fn new(tolerance_m: f64, tolerance_rad: f64) -> Self {
         Self {
             open: JobPath {
-                pieces: Vec::new(),
-                free: None,
-                dwells: Vec::new(),
-                tools: Vec::new(),
-                rows: Vec::new(),
-                outputs: Vec::new(),
                 tolerance_m,
                 tolerance_rad,
+                ..JobPath::default()
             },
             first: 0,
             before: 0,

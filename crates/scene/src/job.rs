@@ -32,6 +32,18 @@ pub struct Job {
 }
 
 impl Job {
+    /// The job of these moves alone.
+    pub fn of(start: Pose<f64>, moves: Vec<JobMove>) -> Self {
+        Self {
+            start,
+            moves,
+            path: None,
+            spool: None,
+            levels: JobLevels::default(),
+            outputs: JobOutputs::default(),
+        }
+    }
+
     /// The job in `units`, without its path. Moves in a spool stay in SI units.
     pub fn in_units(&self, units: &Units) -> Self {
         Self {
@@ -137,12 +149,8 @@ pub fn read_job_with(
             start: section.place_of("start"),
             moves: Vec::new(),
             job: Job {
-                start: start?,
-                moves: Vec::new(),
                 path: Some(placed.path.clone()),
-                spool: None,
-                levels: JobLevels::default(),
-                outputs: JobOutputs::default(),
+                ..Job::of(start?, Vec::new())
             },
             path: Some(placed),
         });
@@ -218,12 +226,8 @@ pub fn read_job_with(
         start: section.place_of("start"),
         moves: sections.iter().map(placed).collect(),
         job: Job {
-            start: start?,
-            moves,
-            path: None,
-            spool: None,
-            levels: JobLevels::default(),
             outputs,
+            ..Job::of(start?, moves)
         },
         path: None,
     })

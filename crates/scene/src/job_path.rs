@@ -24,7 +24,7 @@ const FREE_TOLERANCE_RAD: f64 = 1e-2;
 const LENGTH_MIN: f64 = 1e-12;
 
 /// A path that a job follows in the least time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct JobPath {
     /// The pieces as they are played, corners rounded; each knows its number in the file.
     pub pieces: Vec<PathPiece>,

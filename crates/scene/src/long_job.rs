@@ -4,7 +4,6 @@ use crate::Scene;
 use crate::blocks::PathBlock;
 use crate::in_order::in_order;
 use crate::job::Job;
-use crate::levels::JobLevels;
 use crate::outputs::JobOutputs;
 use crate::planning::{check_ticks, join, plan_block};
 use crate::spool::SpoolWriter;
@@ -75,12 +74,9 @@ impl Scene {
         let longest_stop = so_far.map(|so_far| so_far.end(scene));
         let spool = spool.finish(longest_stop).map_err(UntakenJob::Spool)?;
         self.job = Job {
-            start: self.job.start,
-            moves: Vec::new(),
-            path: None,
             spool: Some(Arc::new(spool)),
-            levels: JobLevels::default(),
             outputs: all_outputs,
+            ..Job::of(self.job.start, Vec::new())
         };
         Ok(())
     }

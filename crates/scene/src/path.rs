@@ -4,7 +4,6 @@
 use crate::job::{Job, PlacedJob};
 use crate::job_move::JobMove;
 use crate::judge::{Objection, Unjudged, judge};
-use crate::levels::JobLevels;
 use crate::peak::RefusedMove;
 use crate::pipeline;
 use crate::read::{Document, Place};
@@ -106,14 +105,7 @@ pub fn judge_move(scene: &Scene, each: &JobMove) -> Result<MoveVerdict, String> 
         }
     }
     let trial = Scene {
-        job: Job {
-            start: each.from,
-            moves: vec![*each],
-            levels: JobLevels::default(),
-            outputs: crate::JobOutputs::default(),
-            path: None,
-            spool: None,
-        },
+        job: Job::of(each.from, vec![*each]),
         ..scene.clone()
     };
     let judgements = judge(&trial).map_err(|error| error.to_string())?;

@@ -505,14 +505,7 @@ impl Scene {
         let moves: Vec<JobMove> = steps.into_iter().map(|(_, each)| each).collect();
         if !levels.is_empty() {
             let trial = Self {
-                job: Job {
-                    moves: moves.clone(),
-                    path: None,
-                    spool: None,
-                    levels: JobLevels::default(),
-                    outputs: JobOutputs::default(),
-                    ..self.job
-                },
+                job: Job::of(self.job.start, moves.clone()),
                 ..self.clone()
             };
             if let Some(index) = misfit(&trial, &moves, &levels) {

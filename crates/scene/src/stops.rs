@@ -4,7 +4,6 @@ use crate::Scene;
 use crate::job::Job;
 use crate::job_move::JobMove;
 use crate::judge::judge_quickly;
-use crate::levels::JobLevels;
 use crate::longest_stop::LongestStop;
 use crate::planning::join;
 use crate::way::{MoveWay, way_m};
@@ -45,16 +44,8 @@ pub(crate) struct FoundStops {
 impl StopMoves {
     /// Judges `moves` on the machine of `scene`. None if one is not admitted.
     pub(crate) fn judged(scene: &Scene, moves: Vec<JobMove>, begins: bool) -> Option<Self> {
-        let job = Job {
-            moves,
-            path: None,
-            spool: None,
-            levels: JobLevels::default(),
-            outputs: crate::JobOutputs::default(),
-            start: scene.job.start,
-        };
         let trial = Scene {
-            job,
+            job: Job::of(scene.job.start, moves),
             ..scene.clone()
         };
         let judgements = judge_quickly(&trial, usize::MAX).ok()?;

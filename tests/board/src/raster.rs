@@ -76,15 +76,13 @@ fn job(scene: &Scene, seconds: f64, seed: u64) -> Result<RasterJob> {
     };
     let path = JobPath {
         pieces: pieces.collect(),
-        free: None,
-        dwells: Vec::new(),
         tools: (0..ways.len())
             .map(|source| is_row(source).then_some(tool))
             .collect(),
         rows: vec![row(1), row(4)],
-        outputs: Vec::new(),
         tolerance_m: 1e-5,
         tolerance_rad: 1e-4,
+        ..JobPath::default()
     };
     let mut planned = scene.clone();
     planned.take_path(&path)?;

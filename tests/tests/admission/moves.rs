@@ -133,14 +133,7 @@ impl Offer {
             parameters: setting.parameters,
             limits: setting.limits,
             tick_rate_hz: 1.0 / setting.period_s,
-            job: Job {
-                start: offered.from,
-                moves: vec![only],
-                path: None,
-                spool: None,
-                levels: trirrr_scene::JobLevels::default(),
-                outputs: trirrr_scene::JobOutputs::default(),
-            },
+            job: Job::of(offered.from, vec![only]),
             ..thesis.clone()
         };
         let units = trirrr_scene::units::<N>(&scene).ok()?;

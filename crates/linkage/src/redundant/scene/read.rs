@@ -5,7 +5,6 @@ use super::sliders::{RedundantSlider, read_slider};
 use super::{RedundantLimits, RedundantLoop, RedundantScene, TICKS_MAX};
 use std::path::Path;
 use trirrr_core::limits::LimitParameters;
-use trirrr_scene::OutputBits;
 use trirrr_scene::read::{Bound, Document, Section, Setting, text_of, with_scene};
 use trirrr_scene::tables::{PlacedJob, read_job_with, read_kind, read_machine, read_rate};
 use trirrr_scene::{MachineKind, SceneError};
@@ -107,7 +106,7 @@ fn read(document: &Document, root: &Section) -> Option<(RedundantScene, PlacedJo
             if each.has("tool") {
                 each.refuse("tool", SERVICE);
             }
-            OutputBits::default()
+            Default::default()
         }),
     };
     let own: Vec<OwnLeg> = own.into_iter().collect::<Option<_>>()?;
