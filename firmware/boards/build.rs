@@ -48,22 +48,16 @@ fn build() -> Result<(), Box<dyn Error>> {
             println!("cargo:rustc-cfg={name}");
         }
     };
-    let (drive, tool) = (of_app("drive")?, of_app("tool")?);
+    let needs = trirrr_image::board::Needs::read(|name| of_app(name).ok())?;
     // Drives on a CAN bus.
-    set("bus", matches!(drive.as_str(), "odrive" | "mit" | "moteus"));
-    // Something that a failure has to switch off: drives, a tool or spare outputs.
-    let has_spare = of_app("digital").is_ok();
-    set("outputs", drive != "none" || tool != "none" || has_spare);
-    for name in [
-        "homing",
-        "brake",
-        "lamp",
-        "digital",
-        "interlocks",
-        "update",
-        "autonomous",
-    ] {
-        set(name, of_app(name).is_ok());
+    set(
+        "bus",
+        matches!(needs.drive.as_str(), "odrive" | "mit" | "moteus"),
+    );
+    set("outputs", needs.has_outputs());
+    set("update", of_app("update").is_ok());
+    for (name, is_set) in needs.cfgs() {
+        set(name, is_set);
     }
     let (package, target) = (env::var("CARGO_PKG_NAME")?, env::var("TARGET")?);
     // What all boards share has no pins of its own.

@@ -62,7 +62,7 @@ pub fn units(scene: &Scene, scalar: &str) -> Result<Units, RangeError> {
 /// names the number type; the default is the scene's own, with `f32` for `f64`, which is for hosts.
 ///
 /// The file names the [features](trirrr_service::features::Feature) of the scene as types. Sets as `cfg`s what source depends on beside them:
-/// `drive = "..."` and `tool = "..."`, the kinds of drives and tool; `homing`, `brake`, `lamp`, `digital`; `autonomous` for one without a host; `update` for a program that may
+/// `drive = "..."` and `tool = "..."`, the kinds of drives and tool; `homing`; `autonomous` for one without a host; `update` for a program that may
 /// be replaced over the line, `scene_over_line` for one that takes other scenes. A package
 /// with a `links` key hands them on to the build scripts of its dependents, with the [needs](Needs) of the scene. Cargo warns of
 /// a scene that lacks limits of its motors.
@@ -165,18 +165,6 @@ fn print_kinds(scene: &Scene) {
     println!("cargo:rustc-check-cfg=cfg(homing)");
     if scene.homing.is_some() {
         println!("cargo:rustc-cfg=homing");
-    }
-    println!("cargo:rustc-check-cfg=cfg(brake)");
-    if scene.power.has_brake {
-        println!("cargo:rustc-cfg=brake");
-    }
-    println!("cargo:rustc-check-cfg=cfg(lamp)");
-    if scene.has_lamp {
-        println!("cargo:rustc-cfg=lamp");
-    }
-    println!("cargo:rustc-check-cfg=cfg(digital)");
-    if scene.spare_pins.are_named() {
-        println!("cargo:rustc-cfg=digital");
     }
     println!("cargo:rustc-check-cfg=cfg(autonomous)");
     if scene.service.autonomous.is_some() {

@@ -20,9 +20,8 @@ const STOP: &str = "emergency-stop";
 /// Tick in which the image fails, counted from 0.
 const TICK: u32 = 50;
 
-/// Inputs `I` of a board that make the image fail when they are read in tick [`TICK`].
-pub(crate) struct FaultInjection<I> {
-    inputs: I,
+/// Makes the image fail when the inputs are read in tick [`TICK`].
+pub(crate) struct FaultInjection {
     ticks: u32,
     /// Cleared after the first failure: a board that fails after each start could not report its cause.
     is_armed: bool,
@@ -30,42 +29,33 @@ pub(crate) struct FaultInjection<I> {
     period: u32,
 }
 
-/// Wraps the inputs of a board.
-pub(crate) fn wire<I>(inputs: I, board: &Board) -> FaultInjection<I> {
-    FaultInjection {
-        inputs,
-        ticks: 0,
-        is_armed: board.start == Start::Power,
-        period: (f64::from(board.timer_hz) / TICK_RATE_HZ) as u32,
+impl FaultInjection {
+    pub(crate) fn new(board: &Board) -> Self {
+        Self {
+            ticks: 0,
+            is_armed: board.start == Start::Power,
+            period: (f64::from(board.timer_hz) / TICK_RATE_HZ) as u32,
+        }
     }
-}
 
-impl<I: Inputs> Inputs for FaultInjection<I> {
-    fn read(&mut self, motors: &[Motor<Scalar>; 3]) -> Closed {
+    pub(crate) fn read(&mut self, inputs: &mut impl Inputs, motors: &[Motor<Scalar>; 3]) -> Closed {
         if self.ticks == TICK && self.is_armed {
             self.is_armed = false;
             fail(self.period);
         }
         self.ticks = self.ticks.wrapping_add(1);
-        self.inputs.read(motors)
+        inputs.read(motors)
     }
 
     /// Pressed from tick [`TICK`] on, whatever the pin says.
-    fn interlocks(&mut self) -> Interlocked {
-        let told = self.inputs.interlocks();
+    pub(crate) fn interlocks(&mut self, read: Interlocked) -> Interlocked {
         Interlocked {
-            emergency_stop: told.emergency_stop || (FAULT == STOP && self.ticks > TICK),
-            ..told
+            emergency_stop: read.emergency_stop || (FAULT == STOP && self.ticks > TICK),
+            ..read
         }
     }
 
-    fn digital(&mut self) -> u8 {
-        self.inputs.digital()
-    }
-
-    fn shift(&mut self, by: [Angle; 3]) {
-        self.inputs.shift(by);
-    }
+    pub(crate) fn shift(&mut self, _: [Angle; 3]) {}
 }
 
 fn fail(period: u32) {

@@ -19,12 +19,13 @@ use crate::service::SceneForeground;
 use trirrr_core::number::Arithmetic;
 use trirrr_drives::Failure;
 use trirrr_protocol::message::{Board, FaultCode};
-use wired::{Wired, wire};
+use wired::Wired;
 
 /// Half of the service that ticks, between the inputs `I` and the outputs `O` of a board.
 pub struct Tick<I, O> {
     foreground: SceneForeground,
-    inputs: Wired<I>,
+    inputs: I,
+    wired: Wired,
     outputs: O,
     clock: TickClock,
 }
@@ -49,7 +50,8 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
         }
         Self {
             foreground,
-            inputs: wire(inputs, board),
+            inputs,
+            wired: Wired::new(board),
             outputs,
             clock,
         }
@@ -64,14 +66,17 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
 
     #[inline]
     fn step(&mut self) {
-        let closed = self.inputs.read(&self.foreground.output().motors);
+        let motors = &self.foreground.output().motors;
+        let closed = self.wired.read(&mut self.inputs, motors);
         self.foreground.hear(self.outputs.measure());
-        self.foreground.sense(self.inputs.interlocks());
+        let contacts = self.inputs.interlocks();
+        self.foreground.sense(self.wired.interlocks(contacts));
         self.foreground.sense_digital(self.inputs.digital());
         calls::tick(&mut self.foreground, closed);
         if let Some(by) = self.foreground.shift() {
             self.outputs.shift(by);
             self.inputs.shift(by);
+            self.wired.shift(by);
         }
         if let Err(failure) = self.outputs.apply(self.foreground.output()) {
             self.fail(&failure);

@@ -8,36 +8,25 @@ use trirrr_core::tick::Motor;
 use trirrr_image::RuledSwitches;
 use trirrr_protocol::message::Board;
 
-/// Inputs `I` of a board, read and then replaced by the ruled switches of the scene.
-pub(crate) struct RuledInputs<I> {
-    inputs: I,
-    switches: RuledSwitches<'static, Scalar>,
-}
+/// Switches of the scene that are ruled, in the place of those of the board.
+pub(crate) struct RuledInputs(RuledSwitches<'static, Scalar>);
 
-/// Wraps the inputs of a board.
-pub(crate) fn wire<I>(inputs: I, _: &Board) -> RuledInputs<I> {
-    RuledInputs {
-        inputs,
-        switches: RuledSwitches::new(&HOMING),
+impl RuledInputs {
+    pub(crate) fn new(_: &Board) -> Self {
+        Self(RuledSwitches::new(&HOMING))
     }
-}
 
-impl<I: Inputs> Inputs for RuledInputs<I> {
-    fn read(&mut self, motors: &[Motor<Scalar>; 3]) -> Closed {
+    pub(crate) fn read(&mut self, inputs: &mut impl Inputs, motors: &[Motor<Scalar>; 3]) -> Closed {
         // The pins of an emulator say nothing. They are read all the same, for the tick's length.
-        black_box(self.inputs.read(motors));
-        self.switches.closed(motors)
+        black_box(inputs.read(motors));
+        self.0.closed(motors)
     }
 
-    fn interlocks(&mut self) -> Interlocked {
-        self.inputs.interlocks()
+    pub(crate) fn interlocks(&mut self, read: Interlocked) -> Interlocked {
+        read
     }
 
-    fn digital(&mut self) -> u8 {
-        self.inputs.digital()
-    }
-
-    fn shift(&mut self, by: [Angle; 3]) {
-        self.switches.shift(by);
+    pub(crate) fn shift(&mut self, by: [Angle; 3]) {
+        self.0.shift(by);
     }
 }

@@ -115,6 +115,23 @@ impl Needs {
         metadata
     }
 
+    /// Functions for which the packages of boards have code of their own, each with its `cfg`.
+    pub fn cfgs(&self) -> [(&'static str, bool); 6] {
+        [
+            ("homing", self.homing),
+            ("brake", self.brake),
+            ("lamp", self.lamp),
+            ("digital", self.has_spare()),
+            ("interlocks", self.interlocks),
+            ("autonomous", self.autonomous),
+        ]
+    }
+
+    /// Returns true if there is something that a failure has to switch off: drives, a tool or spare outputs.
+    pub fn has_outputs(&self) -> bool {
+        self.drive != "none" || self.has_tool() || self.has_spare()
+    }
+
     fn flags(&self) -> [(&'static str, bool); 11] {
         [
             ("tool_enable", self.tool_enable),
