@@ -6,19 +6,14 @@ mod no_log;
 pub(crate) use self::LoneForeground as SceneForeground;
 pub use self::{NoChannels as Channels, WatchdogKeeper as Background};
 use crate::outputs::Steps;
-use crate::scene::{self, Curves, Model};
+use crate::scene;
 use crate::tick::heartbeat::Monitor;
 use core::marker::PhantomData;
 use trirrr_protocol::message::{Board, Firmware};
-use trirrr_service::board::Compiled;
 use trirrr_service::features::{OwnJob, OwnJobParts};
 
-trirrr_service::scene! {
-    /// Scene of this image.
-    pub ImageScene: Compiled<'static, Model, Curves>,
-    homing = scene::Homing,
-    interlocks = scene::Interlocks
-}
+/// Scene of this image.
+type ImageScene = scene::ImageScene<()>;
 
 /// The tick, with the job of the scene.
 pub(crate) type LoneForeground = trirrr_service::board::Foreground<

@@ -25,20 +25,8 @@ const MOVES: usize = match (cfg!(small), scene::Levels::EXISTS) {
 /// Places for telemetry samples; one stays empty. The background sends while the tick adds.
 const SAMPLES: usize = 8;
 
-trirrr_service::scene! {
-    /// Scene of this image.
-    pub ImageScene: scene::Machine,
-    batches = scene::Batches,
-    update = NewImage,
-    levels = scene::Levels,
-    homing = scene::Homing,
-    feedback = scene::Feedback,
-    contact = scene::Contact,
-    retreat = scene::Retreat,
-    interlocks = scene::Interlocks,
-    probe = scene::Probe,
-    digital = scene::Digital
-}
+/// Scene of this image.
+pub(crate) type ImageScene = scene::ImageScene<NewImage>;
 
 /// A part of the scene in a reply.
 type ScenePart = PartOf<ImageScene>;

@@ -179,7 +179,8 @@ fn source_in<N: ServiceNumber>(scene: &Scene, scalar: &str) -> Result<String, Bo
     Ok(file.0)
 }
 
-/// The features that the scene has, each as a type: [`On`](trirrr_service::features::On), or `()`.
+/// The features that the scene has, each as a type: [`On`](trirrr_service::features::On), or `()`; the scene with them, and with `U` as the
+/// place of another program.
 fn features(file: &mut File, scene: &Scene, scalar: &str) {
     let interlocks = &scene.inputs.interlocks;
     let bits = [
@@ -196,6 +197,7 @@ fn features(file: &mut File, scene: &Scene, scalar: &str) {
         false => named.join(" | "),
     };
     let feels = scene.contact.filter(|_| scalar != FIXED);
+    let mut declared = String::new();
     for (name, has, bits) in [
         ("Batches", scene.takes_batches(), None),
         ("Levels", scene.service.power_lists > 0, None),
@@ -206,24 +208,47 @@ fn features(file: &mut File, scene: &Scene, scalar: &str) {
         ("Interlocks", scene.inputs.are_named(), Some(inputs)),
         ("Probe", interlocks.probe.is_some(), None),
         ("Digital", scene.spare_pins.are_named(), None),
-        // Pins of the interlocks.
-        ("StopPin", interlocks.emergency_stop.is_some(), None),
-        ("DoorPin", interlocks.door.is_some(), None),
-        ("ButtonPin", scene.inputs.button.is_some(), None),
-        ("LimitPins", scene.inputs.has_limit_pins(), None),
-        ("LimitsAtHoming", scene.inputs.limits_share_homing, None),
     ] {
-        let feature = match (has, bits) {
-            (false, _) => "()".into(),
-            (true, None) => "trirrr_service::features::On".into(),
-            (true, Some(bits)) => format!("trirrr_service::features::On<{{ {bits} }}>"),
+        feature(file, name, has, bits);
+        // The place of another program stands behind the moves in batches.
+        let update = if name == "Batches" {
+            ", update = U"
+        } else {
+            ""
         };
-        file.line(&format!(
-            "#[allow(dead_code)]\npub type {name} = {feature};"
-        ));
+        // Without a host there are no others.
+        if scene.service.autonomous.is_none() || ["Homing", "Interlocks"].contains(&name) {
+            declared += &format!(", {} = {name}{update}", name.to_lowercase());
+        }
+    }
+    file.line(&format!(
+        "trirrr_service::scene! {{\n#[allow(dead_code)]\npub ImageScene [U: trirrr_service::features::ImageSlot] [U]: \
+         Machine{declared}\n}}"
+    ));
+    for (name, has) in [
+        // Pins of the interlocks.
+        ("StopPin", interlocks.emergency_stop.is_some()),
+        ("DoorPin", interlocks.door.is_some()),
+        ("ButtonPin", scene.inputs.button.is_some()),
+        ("LimitPins", scene.inputs.has_limit_pins()),
+        ("LimitsAtHoming", scene.inputs.limits_share_homing),
+    ] {
+        feature(file, name, has, None);
     }
     let levels = scene.service.power_lists.to_string();
     file.constant("LEVELS", "usize", levels);
+}
+
+/// A feature as a type, with its `bits`.
+fn feature(file: &mut File, name: &str, has: bool, bits: Option<String>) {
+    let feature = match (has, bits) {
+        (false, _) => "()".into(),
+        (true, None) => "trirrr_service::features::On".into(),
+        (true, Some(bits)) => format!("trirrr_service::features::On<{{ {bits} }}>"),
+    };
+    file.line(&format!(
+        "#[allow(dead_code)]\npub type {name} = {feature};"
+    ));
 }
 
 /// The machine with its limits: clients may change them, or the coefficients are in the image.
