@@ -121,7 +121,7 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
 #[cfg(feature = "std")]
 impl<M: Model<N = f64>> Planner<M> {
     /// Largest part of a limit of the motors that `setpoint` takes; none where there is no motion.
-    pub(crate) fn part_of_limits(&self, setpoint: &Setpoint<f64>) -> Option<f64> {
+    pub(crate) fn part_of_limits(&self, setpoint: &Setpoint<f64>) -> Option<(f64, Limited)> {
         let model = |value: f64| TaylorModel::<f64>::point(value);
         let setpoint = Setpoint {
             pose: Pose {
@@ -133,25 +133,31 @@ impl<M: Model<N = f64>> Planner<M> {
         };
         let rotation = Rotation::new(setpoint.pose.angle);
         let legs = self.solve(&setpoint, &rotation, LegNeeds::Links).ok()?;
-        let mut most = 0.0_f64;
-        let mut take = |values: Model3<f64>, limits: Option<[f64; 3]>| {
-            for (value, limit) in values.into_iter().zip(limits.into_iter().flatten()) {
-                most = most.max(value.magnitude() / limit);
-            }
-        };
+        let mut most = (0.0_f64, Limited::Rate(0));
+        let mut take =
+            |values: Model3<f64>, limits: Option<[f64; 3]>, what: fn(usize) -> Limited| {
+                let limits = limits.into_iter().flatten();
+                for (motor, (value, limit)) in values.into_iter().zip(limits).enumerate() {
+                    let part = value.magnitude() / limit;
+                    if part > most.0 {
+                        most = (part, what(motor));
+                    }
+                }
+            };
         let limits = self.limits();
         let rates = legs.map(|leg| leg.rates.proximal);
-        take(rates, limits.rate);
+        take(rates, limits.rate, Limited::Rate);
         take(
             legs.map(|leg| leg.accelerations.proximal),
             limits.acceleration,
+            Limited::Acceleration,
         );
         if self.needs_torques() {
             let lines = DistalLines::of(legs.each_ref().map(|leg| &leg.position));
             let torques = self.torques_of(&lines, &legs, &setpoint, &rotation).ok()?;
-            take(torques, limits.torque);
+            take(torques, limits.torque, Limited::Torque);
             let powers = [0, 1, 2].map(|motor| torques[motor] * rates[motor]);
-            take(powers, limits.power);
+            take(powers, limits.power, Limited::Power);
         }
         Some(most)
     }

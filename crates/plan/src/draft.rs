@@ -1,6 +1,6 @@
 //! Moves of a run: quintics that follow its [`Law`], as long as they can be.
 
-use crate::cell::Planner;
+use crate::cell::{Limited, Planner};
 use crate::deviation::Deviation;
 use crate::fit::{Fit, LONGEST_S, ends, rest, size};
 use crate::law::Law;
@@ -66,6 +66,8 @@ pub(crate) struct Fine {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Beyond {
     pub(crate) most: f64,
+    /// The limit.
+    pub(crate) what: Limited,
     pub(crate) knots: [f64; 2],
 }
 
@@ -370,21 +372,26 @@ impl<'a> Draft<'a> {
             let feed = self.law.feed(from + part * ticks)?;
             let velocity = segment.at_fraction(part).velocity;
             let speed = (libm::hypot(velocity.x, velocity.y) + rounded) / (FEED * feed);
-            Some(speed * speed)
+            Some((speed * speed, Limited::Feed))
         };
         let motors = |part: f64| {
-            let part = planner.part_of_limits(&segment.at_fraction(part))?;
-            Some(part / OF_LIMITS)
+            let (part, what) = planner.part_of_limits(&segment.at_fraction(part))?;
+            Some((part / OF_LIMITS, what))
         };
-        let beyond = |values: &dyn Fn(f64) -> Option<f64>, count: u32| {
+        let beyond = |values: &dyn Fn(f64) -> Option<(f64, Limited)>, count: u32| {
             let mut beyond = Beyond {
                 most: 0.0,
+                what: Limited::Feed,
                 knots: [from + ticks, from],
             };
             for instant in 0..=count {
                 let part = f64::from(instant) / f64::from(count);
-                let value = values(part).unwrap_or(0.0);
-                beyond.most = beyond.most.max(value);
+                let Some((value, what)) = values(part) else {
+                    continue;
+                };
+                if value > beyond.most {
+                    (beyond.most, beyond.what) = (value, what);
+                }
                 if value > 1.0 {
                     let [first, last] = [-1.0, 1.0]
                         .map(|by| from + ticks * (part + by / f64::from(count)).clamp(0.0, 1.0));
@@ -482,9 +489,10 @@ pub(crate) fn leave_room(run: &mut Run, pieces: &[PathPiece], sampling: &Samplin
         let feed = pieces[run.places[index].piece].feed_m_s;
         let rounded = feed.map_or(0.0, |feed| sampling.rounded_speed(least_s) / feed);
         let speed = FEED - FASTER - rounded;
-        run.tighten(
+        run.tighten_for(
             index..index + 1,
             (speed * speed.abs()).clamp(SHARE_MIN, SHARE),
+            Limited::Number,
         );
     }
 }

@@ -21,8 +21,9 @@ use trirrr_core::model::Model;
 pub enum Judged {
     /// It can be played.
     Kept,
-    /// A limit of a motor is exceeded by this part, or not proven to be kept; slower would be better.
-    Exceeded(f64),
+    /// A limit of a motor is exceeded by this part, or not proven to be kept: then the [number type](Limited::Number) is what limits it.
+    /// Slower would be better.
+    Exceeded(f64, Limited),
     /// It cannot be played at any pace.
     Refused,
 }
@@ -182,7 +183,7 @@ fn moves_of<M: Model<N = f64>>(
     for round in 0..ROUNDS {
         let draft = Draft::new(run, pieces, [lever_m, least_s], sampling, &fine, *spare);
         let mut mended = false;
-        let mut slower: Vec<([PathPlace; 2], f64)> = Vec::new();
+        let mut slower: Vec<Slower> = Vec::new();
         for index in 0..draft.moves.len() {
             let deviation = draft.deviation(index);
             // Where moves cannot be shorter, they leave the path by the square of the pace.
@@ -192,12 +193,20 @@ fn moves_of<M: Model<N = f64>>(
                         fine.push(closer);
                         mended = true;
                     }
-                    None => slower.push((draft.span(index), deviation - 1.0)),
+                    None => slower.push(Slower {
+                        span: draft.span(index),
+                        by: deviation - 1.0,
+                        why: Limited::Tolerance,
+                    }),
                 }
             }
             for beyond in draft.parts_of_limits(planner, index) {
                 if beyond.most > 1.0 {
-                    slower.push((draft.span_between(beyond.knots), beyond.most - 1.0));
+                    slower.push(Slower {
+                        span: draft.span_between(beyond.knots),
+                        by: beyond.most - 1.0,
+                        why: beyond.what,
+                    });
                 }
             }
         }
@@ -210,8 +219,9 @@ fn moves_of<M: Model<N = f64>>(
             match judged {
                 Judged::Kept => {}
                 Judged::Refused => return Err(refusal(draft.moves[index].place)),
-                Judged::Exceeded(by) => {
-                    slower.push((draft.span(index), by.max(0.0)));
+                Judged::Exceeded(by, why) => {
+                    let (span, by) = (draft.span(index), by.max(0.0));
+                    slower.push(Slower { span, by, why });
                     mended = true;
                 }
             }
@@ -230,24 +240,32 @@ fn moves_of<M: Model<N = f64>>(
         }
         // Moves overlap in their cells: each cell takes one step a round.
         let before = strikes.clone();
-        for (span, by) in slower {
+        for Slower { span, by, why } in slower {
             let cells = run.cells_between(span);
             let margins = before[cells.clone()].iter().copied();
             let margin = margins.fold(LEAST, f64::max);
             strikes[cells.clone()].fill(2.0 * margin);
-            run.tighten(cells, 1.0 / (1.0 + by + margin));
+            run.tighten_for(cells, 1.0 / (1.0 + by + margin), why);
         }
         run.replan();
     }
     Err(refusal(run.places[0]))
 }
 
+/// A part of the path that is to be slower.
+struct Slower {
+    span: [PathPlace; 2],
+    /// Part of the limits by which it is beyond them.
+    by: f64,
+    why: Limited,
+}
+
 /// Places at which the cells of `run` are cut, so that no more of it becomes slower than has to.
-fn cuts(run: &Run, slower: &[([PathPlace; 2], f64)]) -> Vec<Vec<f64>> {
+fn cuts(run: &Run, slower: &[Slower]) -> Vec<Vec<f64>> {
     // Part of a cell below which no other is cut off.
     let sliver = |cell: usize| 0.25 * (SHORT_S / run.cell_duration_s(cell)).min(1.0);
     let mut cuts: Vec<Vec<f64>> = vec![Vec::new(); run.cells.len()];
-    for place in slower.iter().flat_map(|(span, _)| span) {
+    for place in slower.iter().flat_map(|each| &each.span) {
         let cell = run.cells_between([*place; 2]).start;
         let part = (place.p - run.places[cell].p) / run.cells[cell].length();
         let is_within = (sliver(cell)..1.0 - sliver(cell)).contains(&part);

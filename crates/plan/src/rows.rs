@@ -25,6 +25,18 @@ pub enum Limited {
     Feed,
     /// Distance from the path by which moves smooth the motion.
     Tolerance,
+    /// Rounding of the number type in which the moves are played, or what its proof cannot tell from it.
+    Number,
+}
+
+/// Limits of a cell that were lowered for moves, and why.
+#[cfg(feature = "std")]
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Lowered<B> {
+    /// Reason of the next lowering.
+    next: Option<Limited>,
+    /// Reason of most of it so far, and the part that it left of the limits.
+    most: Option<(Limited, B)>,
 }
 
 /// |acceleration a + square x + rest| <= limit over a cell; each coefficient is a `T`.
@@ -77,6 +89,8 @@ pub struct Cell<B> {
     /// A power is limited at the pace that the motion has and at each lower one, and not by the torque at rest alone.
     #[cfg(feature = "std")]
     pub(crate) is_paced: bool,
+    #[cfg(feature = "std")]
+    lowered: Lowered<B>,
     pub(crate) limits: Rows<ModelLine<B>, B>,
 }
 
@@ -149,6 +163,11 @@ impl<B: Arithmetic> Cell<B> {
             ramp: B::ZERO,
             #[cfg(feature = "std")]
             is_paced: false,
+            #[cfg(feature = "std")]
+            lowered: Lowered {
+                next: None,
+                most: None,
+            },
             limits,
         }
     }
@@ -180,6 +199,7 @@ impl<B: Arithmetic> Cell<B> {
     #[cfg(feature = "std")]
     pub(crate) fn limit_as(&mut self, whole: &Self) {
         (self.share, self.tightened, self.ramp) = (whole.share, whole.tightened, whole.ramp);
+        self.lowered = whole.lowered;
     }
 
     /// Leaves room for a hold at the rate `ramp` in the passes from now on; a cell is measured without.
@@ -193,9 +213,34 @@ impl<B: Arithmetic> Cell<B> {
         self.tightened = lesser(self.tightened, share);
     }
 
+    /// The same, because of `why`.
+    #[cfg(feature = "std")]
+    pub(crate) fn tighten_for(&mut self, share: B, why: Limited) {
+        if share < self.tightened {
+            self.lowered.next = Some(why);
+        }
+        self.tighten(share);
+    }
+
+    /// Returns why moves leave more than a hundredth of the limits unused, if they do.
+    #[cfg(feature = "std")]
+    pub(crate) fn lowered_for(&self) -> Option<Limited> {
+        let (why, part) = self.lowered.most?;
+        (part < B::ratio(99, 100)).then_some(why)
+    }
+
     /// Lowers the part of the limits that the passes use, down to 1e-8 at most: the pace goes with its root.
     pub fn apply_tightening(&mut self) {
         self.share = greater(self.share * self.tightened, B::ratio(1, 100_000_000));
+        #[cfg(feature = "std")]
+        if let Some(why) = self.lowered.next.take() {
+            let part = self.tightened;
+            self.lowered.most = match self.lowered.most {
+                Some((before, all)) if before == why => Some((why, all * part)),
+                Some(more) if more.1 <= part => Some(more),
+                _ => Some((why, part)),
+            };
+        }
         self.tightened = B::ONE;
     }
 

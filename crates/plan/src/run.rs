@@ -43,6 +43,13 @@ impl Run {
         }
     }
 
+    /// The same, because of `why`.
+    pub(crate) fn tighten_for(&mut self, cells: Range<usize>, share: f64, why: Limited) {
+        for cell in &mut self.cells[cells] {
+            cell.tighten_for(share, why);
+        }
+    }
+
     /// Cells of which a part lies between two places.
     pub(crate) fn cells_between(&self, [from, to]: [PathPlace; 2]) -> Range<usize> {
         let key = |place: &PathPlace| (place.piece, place.p);
@@ -87,9 +94,11 @@ impl Run {
         (end - start) / (2.0 * self.cells[index].length)
     }
 
-    /// The limit that is nearest in cell `index`.
+    /// The limit that is nearest in cell `index`; where moves leave a part of all limits unused, what that is for.
     pub fn acting(&self, index: usize) -> Option<Limited> {
-        self.acting_jerk(index)
+        self.cells[index]
+            .lowered_for()
+            .or_else(|| self.acting_jerk(index))
             .or_else(|| acting(&self.cells, &self.squares, index))
     }
 

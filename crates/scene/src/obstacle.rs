@@ -53,5 +53,6 @@ pub fn limited(what: Limited) -> String {
         Limited::Jerk(motor) => of_motor("jerk", motor),
         Limited::Feed => "the feed".into(),
         Limited::Tolerance => "the tolerance".into(),
+        Limited::Number => "the number type".into(),
     }
 }

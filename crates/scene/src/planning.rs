@@ -21,11 +21,11 @@ use trirrr_core::number::{Arithmetic, Fixed, Number};
 use trirrr_core::setpoint::{Ends, Pose};
 use trirrr_core::units::Units;
 use trirrr_plan::alpha::{Sampler, choose_alpha};
-use trirrr_plan::cell::Planner;
+use trirrr_plan::cell::{Limited, Planner};
 use trirrr_plan::course::Effort;
 use trirrr_plan::moves::{Judged, PlannedMove, PlannedMoves, Sampling, plan_moves};
 use trirrr_plan::piece::Piece;
-use trirrr_protocol::message::Bounded;
+use trirrr_protocol::message::{Bounded, Violation};
 use trirrr_service::paces::longest_move;
 
 /// Columns of a table of moves, `moves.csv`, SI units: number of the piece from 1, duration, state at the end, power and speed of the tool.
@@ -427,14 +427,28 @@ fn judged(scene: &Scene, moves: &[JobMove], others: &[JobMove]) -> Vec<Judged> {
             | Bounded::Torque
             | Bounded::Power
             | Bounded::Jerk
-            | Bounded::AccelerationJump => {
-                Judged::Exceeded(violation.value / violation.limit - 1.0)
-            }
+            | Bounded::AccelerationJump => Judged::Exceeded(
+                violation.value / violation.limit - 1.0,
+                exceeded(&violation),
+            ),
             _ => Judged::Refused,
         },
         Err(_) => Judged::Refused,
     };
     judgements.into_iter().map(judged).collect()
+}
+
+/// The quantity that a move takes too much of; what is not certain is not proven in the number type.
+fn exceeded(violation: &Violation<f64>) -> Limited {
+    let motor = violation.index.map_or(0, usize::from);
+    match violation.what {
+        _ if !violation.certain => Limited::Number,
+        Bounded::Rate => Limited::Rate(motor),
+        Bounded::Torque => Limited::Torque(motor),
+        Bounded::Power => Limited::Power(motor),
+        Bounded::Jerk => Limited::Jerk(motor),
+        _ => Limited::Acceleration(motor),
+    }
 }
 
 /// Converts planned moves of `path` to moves of a job.

@@ -10,7 +10,7 @@ use trirrr_core::setpoint::{Pose, Quintics};
 use trirrr_core::tick::Tick;
 use trirrr_core::torque::links::{Horizontal, Massive, Massless};
 use trirrr_core::torque::payload::Centred;
-use trirrr_plan::cell::{Obstacle, Planner};
+use trirrr_plan::cell::{Limited, Obstacle, Planner};
 use trirrr_plan::corner::round_corners;
 use trirrr_plan::course::{Effort, PathPiece, PathRefusal};
 use trirrr_plan::moves::{Judged, PlannedMove, PlannedMoves, Sampling, plan_moves};
@@ -59,7 +59,8 @@ fn planned<M: Model<N = f64>>(
     )
     .expect("a machine");
     let mut judged = |each: &PlannedMove| {
-        excess(&mut admission, &each.ends, each.ticks).map_or(Judged::Kept, Judged::Exceeded)
+        let by = excess(&mut admission, &each.ends, each.ticks);
+        by.map_or(Judged::Kept, |by| Judged::Exceeded(by, Limited::Number))
     };
     plan_moves(&planner, pieces, Effort::default(), SAMPLING, |moves| {
         moves.iter().map(&mut judged).collect()
