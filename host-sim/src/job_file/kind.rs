@@ -16,7 +16,7 @@ impl JobKind {
     pub(super) fn of(file: &Path) -> Self {
         let extension = file.extension().unwrap_or_default().to_ascii_lowercase();
         match extension.to_str().unwrap_or_default() {
-            "svg" | "dxf" => Self::Drawing,
+            "svg" | "svgz" | "dxf" => Self::Drawing,
             "png" | "jpg" | "jpeg" | "bmp" => Self::Image,
             "csv" => Self::Table,
             _ => Self::Gcode,

@@ -179,7 +179,7 @@ fn drawing_of(file: &Path, args: &JobFileArgs) -> io::Result<Result<Drawing, Pat
         true => read_dxf(&files::bytes_of(file, LONGEST_TABLE)?, |layer| {
             args.drawing.leaves_out(layer)
         }),
-        false => read_svg(&files::text_in(file, LONGEST_TABLE)?),
+        false => read_svg(files::bytes_of(file, LONGEST_TABLE)?),
     })
 }
 

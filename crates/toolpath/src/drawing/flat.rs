@@ -1,6 +1,6 @@
 //! Drawings as numbers and names: to hand one from a program to another, as WebAssembly modules do.
 
-use super::{Area, Drawing, Rgb, Shape, Stroke, StrokeCurve};
+use super::{Area, AreaClip, Drawing, Rgb, Shape, Stroke, StrokeCurve};
 
 /// Number in place of no colour.
 const NO_COLOUR: f64 = -1.0;
@@ -25,6 +25,12 @@ impl Drawing {
             numbers.extend([area.shape as f64, number_of(area.colour)]);
             numbers.extend(flags);
             put_strokes(&mut numbers, &area.outlines);
+            numbers.push(area.clips.len() as f64);
+            for clip in &area.clips {
+                let flags = [clip.non_zero, clip.adds, clip.is_last];
+                numbers.extend(flags.map(|flag| f64::from(u8::from(flag))));
+                put_strokes(&mut numbers, &clip.outlines);
+            }
         }
         let names = self.shapes.iter();
         FlatDrawing {
@@ -48,6 +54,7 @@ impl FlatDrawing {
                 non_zero: numbers.next()? == 1.0,
                 stroked: numbers.next()? == 1.0,
                 outlines: numbers.strokes()?,
+                clips: numbers.clips()?,
             })
         });
         let areas = areas.collect::<Option<_>>()?;
@@ -118,6 +125,19 @@ impl Numbers<'_> {
         Some(Some([red, green, blue]))
     }
 
+    fn clips(&mut self) -> Option<Vec<AreaClip>> {
+        let count = self.count()?;
+        let clips = (0..count).map(|_| {
+            Some(AreaClip {
+                non_zero: self.next()? == 1.0,
+                adds: self.next()? == 1.0,
+                is_last: self.next()? == 1.0,
+                outlines: self.strokes()?,
+            })
+        });
+        clips.collect()
+    }
+
     fn strokes(&mut self) -> Option<Vec<Stroke>> {
         let count = self.count()?;
         (0..count).map(|_| self.stroke()).collect()
@@ -165,7 +185,13 @@ mod tests {
             turn: -1.5,
             to: [0.3, 0.4],
         });
-        assert!(!drawing.areas.is_empty());
+        let outlines = drawing.areas[0].outlines.clone();
+        drawing.areas[0].clips.push(AreaClip {
+            outlines,
+            non_zero: true,
+            adds: false,
+            is_last: true,
+        });
         let flat = drawing.flat();
         assert_eq!(flat.drawing(), Some(drawing));
         for length in 0..flat.numbers.len() {

@@ -38,7 +38,7 @@ struct Edge {
 }
 
 fn hatch(area: &Area, pitch_m: f64, strokes: &mut Vec<Stroke>) -> Result<(), PathFault> {
-    let edges = edges(area);
+    let edges = edges_of(&area.outlines);
     let low = edges
         .iter()
         .map(|edge| edge.from[1])
@@ -62,44 +62,104 @@ fn hatch(area: &Area, pitch_m: f64, strokes: &mut Vec<Stroke>) -> Result<(), Pat
         return Ok(());
     }
     // The lines stand in the middle of the height.
-    let first = low + 0.5 * (high - low - lines * pitch_m);
-    let mut crossings: Vec<Vec<(f64, i32)>> = vec![Vec::new(); lines as usize + 1];
-    for edge in &edges {
-        let row = |y: f64| (y - first) / pitch_m;
-        let rows = row(edge.from[1]).ceil().max(0.0) as usize..crossings.len();
-        for index in rows {
-            let y = first + index as f64 * pitch_m;
-            // A line through a corner crosses the edge above it, so that it counts once.
-            if y >= edge.to[1] {
-                break;
+    let rows = Rows {
+        first: low + 0.5 * (high - low - lines * pitch_m),
+        pitch_m,
+        count: lines as usize + 1,
+    };
+    let mut inside = rows.inside(&edges, area.non_zero);
+    let mut region = vec![Vec::new(); rows.count];
+    for clip in &area.clips {
+        let shape = rows.inside(&edges_of(&clip.outlines), clip.non_zero);
+        for ((row, region), shape) in inside.iter_mut().zip(&mut region).zip(&shape) {
+            let adds = clip.adds;
+            *region = combined(region, shape, |within, on| if on { adds } else { within });
+            if clip.is_last {
+                *row = combined(row, &std::mem::take(region), |one, other| one && other);
             }
-            if y < edge.from[1] {
-                continue;
-            }
-            let p = (y - edge.from[1]) / (edge.to[1] - edge.from[1]);
-            let x = edge.from[0] + p * (edge.to[0] - edge.from[0]);
-            crossings[index].push((x, edge.winding));
         }
     }
-    for (index, row) in crossings.iter_mut().enumerate() {
-        row.sort_by(|one, other| one.0.total_cmp(&other.0));
-        let y = first + index as f64 * pitch_m;
-        for [from, to] in inside(row, area.non_zero) {
+    for (index, row) in inside.iter().enumerate() {
+        let y = rows.first + index as f64 * pitch_m;
+        for [from, to] in row {
             strokes.push(Stroke {
                 shape: area.shape,
                 colour: area.colour,
-                start: [from, y],
-                curves: vec![StrokeCurve::Line([to, y])],
+                start: [*from, y],
+                curves: vec![StrokeCurve::Line([*to, y])],
             });
         }
     }
     Ok(())
 }
 
-/// Edges of the area, upward. Level ones are left out, outlines are closed.
-fn edges(area: &Area) -> Vec<Edge> {
+/// Rows of a fill.
+struct Rows {
+    /// Height of the first, m.
+    first: f64,
+    pitch_m: f64,
+    count: usize,
+}
+
+impl Rows {
+    /// Stretches of each row that are inside the edges.
+    fn inside(&self, edges: &[Edge], non_zero: bool) -> Vec<Vec<[f64; 2]>> {
+        let mut crossings: Vec<Vec<(f64, i32)>> = vec![Vec::new(); self.count];
+        for edge in edges {
+            let row = |y: f64| (y - self.first) / self.pitch_m;
+            let rows = row(edge.from[1]).ceil().max(0.0) as usize..crossings.len();
+            for index in rows {
+                let y = self.first + index as f64 * self.pitch_m;
+                // A line through a corner crosses the edge above it, so that it counts once.
+                if y >= edge.to[1] {
+                    break;
+                }
+                if y < edge.from[1] {
+                    continue;
+                }
+                let p = (y - edge.from[1]) / (edge.to[1] - edge.from[1]);
+                let x = edge.from[0] + p * (edge.to[0] - edge.from[0]);
+                crossings[index].push((x, edge.winding));
+            }
+        }
+        let rows = crossings.iter_mut().map(|row| {
+            row.sort_by(|one, other| one.0.total_cmp(&other.0));
+            inside(row, non_zero)
+        });
+        rows.collect()
+    }
+}
+
+/// Stretches at whose places `holds` is true, by whether the places are in one list, and in the other.
+fn combined(
+    one: &[[f64; 2]],
+    other: &[[f64; 2]],
+    holds: impl Fn(bool, bool) -> bool,
+) -> Vec<[f64; 2]> {
+    let mut places: Vec<f64> = one.iter().chain(other).flatten().copied().collect();
+    places.sort_by(f64::total_cmp);
+    let within = |list: &[[f64; 2]], place: f64| {
+        let behind = list.partition_point(|stretch| stretch[0] <= place);
+        behind > 0 && place < list[behind - 1][1]
+    };
+    let mut found: Vec<[f64; 2]> = Vec::new();
+    for pair in places.windows(2) {
+        let middle = 0.5 * (pair[0] + pair[1]);
+        if pair[1] <= pair[0] || !holds(within(one, middle), within(other, middle)) {
+            continue;
+        }
+        match found.last_mut() {
+            Some(last) if last[1] == pair[0] => last[1] = pair[1],
+            _ => found.push([pair[0], pair[1]]),
+        }
+    }
+    found
+}
+
+/// Edges of outlines, upward. Level ones are left out, outlines are closed.
+fn edges_of(outlines: &[Stroke]) -> Vec<Edge> {
     let mut edges = Vec::new();
-    for outline in &area.outlines {
+    for outline in outlines {
         let mut points = outline.points(FLATNESS_M);
         points.push(outline.start);
         for pair in points.windows(2) {

@@ -7,7 +7,7 @@
 mod dxf;
 mod flat;
 mod hatch;
-#[cfg(feature = "dxf")]
+#[cfg(any(feature = "dxf", feature = "svg"))]
 mod join;
 mod order;
 mod stroke;
@@ -57,8 +57,21 @@ pub(crate) struct Area {
     /// Inside is where the outlines wind around at all, else where they do an odd number of times.
     pub(crate) non_zero: bool,
     pub(crate) outlines: Vec<Stroke>,
+    /// Shapes of the clips that leave a part of it.
+    pub(crate) clips: Vec<AreaClip>,
     /// The outline is drawn as well, in a colour of its own.
     pub(crate) stroked: bool,
+}
+
+/// Shape of a clip. Those up to one that is the last make a region: of them the last that holds a point says whether the
+/// point is in it.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct AreaClip {
+    pub(crate) outlines: Vec<Stroke>,
+    pub(crate) non_zero: bool,
+    /// True: it adds to the region. False: it takes away.
+    pub(crate) adds: bool,
+    pub(crate) is_last: bool,
 }
 
 /// Pen: feed and work of the tool for the strokes of a colour.

@@ -96,7 +96,7 @@ impl Stroke {
                 StrokeCurve::Line(_) => {}
                 StrokeCurve::Arc { centre, turn, .. } => {
                     let from = [at[0] - centre[0], at[1] - centre[1]];
-                    let chords = arc_chords(libm::hypot(from[0], from[1]), turn, flatness_m);
+                    let chords = chords_of_arc(libm::hypot(from[0], from[1]), turn, flatness_m);
                     for chord in 1..chords {
                         let angle = turn * f64::from(chord) / f64::from(chords);
                         let (sin, cos) = libm::sincos(angle);
@@ -107,7 +107,7 @@ impl Stroke {
                     }
                 }
                 StrokeCurve::Bezier([first, second, to]) => {
-                    let chords = chords(at, first, second, to, flatness_m);
+                    let chords = chords_of_bezier([at, first, second, to], flatness_m);
                     for chord in 1..chords {
                         let p = f64::from(chord) / f64::from(chords);
                         points.push(at_parameter([at, first, second, to], p));
@@ -122,13 +122,13 @@ impl Stroke {
 }
 
 /// Chords of an arc that keep a distance: one over the angle a is off by at most a^2 / 8 of the radius.
-fn arc_chords(radius: f64, turn: f64, flatness_m: f64) -> u32 {
+pub(super) fn chords_of_arc(radius: f64, turn: f64, flatness_m: f64) -> u32 {
     let chords = turn.abs() * (radius / (8.0 * flatness_m)).sqrt();
     chords.ceil().clamp(3.0, CHORDS_MAX) as u32
 }
 
 /// Chords that keep a distance: a chord over a part h is off by at most h^2 / 8 of the greatest second derivative.
-fn chords(from: [f64; 2], first: [f64; 2], second: [f64; 2], to: [f64; 2], flatness_m: f64) -> u32 {
+pub(super) fn chords_of_bezier([from, first, second, to]: [[f64; 2]; 4], flatness_m: f64) -> u32 {
     let bend = |a: [f64; 2], b: [f64; 2], c: [f64; 2]| {
         6.0 * libm::hypot(a[0] - 2.0 * b[0] + c[0], a[1] - 2.0 * b[1] + c[1])
     };

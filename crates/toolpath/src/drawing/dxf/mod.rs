@@ -112,6 +112,7 @@ fn areas(drawing: &Drawing) -> Vec<Area> {
                 colour: stroke.colour,
                 non_zero: false,
                 outlines: Vec::new(),
+                clips: Vec::new(),
                 stroked: true,
             });
         }

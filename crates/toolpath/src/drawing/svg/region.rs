@@ -1,0 +1,390 @@
+//! Regions that clips and masks leave, and what of chains lies in them.
+
+use super::curve::{Chain, Curve, distance};
+
+/// Largest distance of a chord from an edge of a region, m.
+const FLATNESS_M: f64 = 5e-7;
+
+/// Distance within which a point is on an edge, m: chords of two like curves are that near.
+const NEAR_M: f64 = 2.0 * FLATNESS_M;
+
+/// Most rows by which edges are found.
+const ROWS_MAX: usize = 4096;
+
+/// Region in the plane, m: the last of its shapes that holds a point says whether it is in it.
+#[derive(Debug, Default)]
+pub(super) struct Region {
+    pub(super) shapes: Vec<RegionShape>,
+}
+
+/// Shape of a region.
+#[derive(Debug)]
+pub(super) struct RegionShape {
+    pub(super) chains: Vec<Chain>,
+    pub(super) is_non_zero: bool,
+    /// True: it adds to the region. False: it takes away.
+    pub(super) adds: bool,
+    edges: Edges,
+}
+
+impl RegionShape {
+    pub(super) fn new(chains: Vec<Chain>, is_non_zero: bool, adds: bool) -> Self {
+        let edges = Edges::new(&chains);
+        Self {
+            chains,
+            is_non_zero,
+            adds,
+            edges,
+        }
+    }
+
+    fn holds(&self, point: [f64; 2]) -> bool {
+        let winding = self.edges.winding(point);
+        match self.is_non_zero {
+            true => winding != 0,
+            false => winding % 2 != 0,
+        }
+    }
+
+    /// Lower left and upper right corner, if it is a rectangle along the axes.
+    fn rectangle(&self) -> Option<[[f64; 2]; 2]> {
+        let [chain] = &self.chains[..] else {
+            return None;
+        };
+        let corners: Vec<[f64; 2]> = chain.curves.iter().map(Curve::end).collect();
+        let straight = chain
+            .curves
+            .iter()
+            .all(|curve| matches!(curve, Curve::Line(_)));
+        let (low, high) = (self.edges.low, self.edges.high);
+        let in_corner = |point: &[f64; 2]| {
+            [0, 1]
+                .iter()
+                .all(|&i| (point[i] - low[i]).min(high[i] - point[i]).abs() < 1e-12)
+        };
+        (self.adds && straight && matches!(corners.len(), 3 | 4) && corners.iter().all(in_corner))
+            .then_some([low, high])
+    }
+}
+
+impl Region {
+    fn holds(&self, point: [f64; 2]) -> bool {
+        let mut shapes = self.shapes.iter().rev();
+        shapes
+            .find(|shape| shape.holds(point))
+            .is_some_and(|shape| shape.adds)
+    }
+
+    fn is_near(&self, point: [f64; 2]) -> bool {
+        self.shapes.iter().any(|shape| shape.edges.is_near(point))
+    }
+
+    /// Returns true if the chains are in the region by their hulls alone.
+    fn holds_hull(&self, chains: &[Chain]) -> bool {
+        let [shape] = &self.shapes[..] else {
+            return false;
+        };
+        shape.rectangle().is_some_and(|[low, high]| {
+            chains.iter().flat_map(Chain::hull).all(|point| {
+                [0, 1]
+                    .iter()
+                    .all(|&i| point[i] >= low[i] - NEAR_M && point[i] <= high[i] + NEAR_M)
+            })
+        })
+    }
+}
+
+/// Returns the parts of lines that are in all regions, or on their edges.
+pub(super) fn cut_lines(chains: &[Chain], regions: &[&Region]) -> Vec<Chain> {
+    let mut left = chains.to_vec();
+    for region in regions {
+        if region.holds_hull(&left) {
+            continue;
+        }
+        let edges: Vec<&Edges> = region.shapes.iter().map(|shape| &shape.edges).collect();
+        let is_in = |point, _| region.holds(point) || region.is_near(point);
+        left = left
+            .iter()
+            .flat_map(|chain| split(chain, &edges, &is_in))
+            .collect();
+    }
+    left
+}
+
+/// Outlines of an area in all regions: None where the regions hold it whole.
+pub(super) fn cut_area(
+    chains: &[Chain],
+    is_non_zero: bool,
+    regions: &[&Region],
+) -> Option<Vec<Chain>> {
+    let mut cutting = regions.to_vec();
+    cutting.retain(|region| !region.holds_hull(chains));
+    if cutting.is_empty() {
+        return None;
+    }
+    let area = RegionShape::new(chains.to_vec(), is_non_zero, true);
+    let is_in = |point| area.holds(point) && cutting.iter().all(|region| region.holds(point));
+    let sides = |point: [f64; 2], normal: [f64; 2]| {
+        [1.0, -1.0].map(|side| is_in([0, 1].map(|i| point[i] + 2.0 * side * NEAR_M * normal[i])))
+    };
+    let shapes = || cutting.iter().flat_map(|region| &region.shapes);
+    let mut edges: Vec<&Edges> = shapes().map(|shape| &shape.edges).collect();
+    let mut found = Vec::new();
+    for chain in chains {
+        // One side of an outline, or both, is in the area.
+        found.extend(split(chain, &edges, &|point, normal| {
+            sides(point, normal) != [false; 2]
+        }));
+    }
+    edges.push(&area.edges);
+    let is_whole = found == chains;
+    let own = found.len();
+    let mut drawn = vec![&area.edges];
+    for shape in shapes() {
+        for chain in &shape.chains {
+            let mut chain = chain.clone();
+            chain.close();
+            found.extend(split(&chain, &edges, &|point, normal| {
+                let [left, right] = sides(point, normal);
+                left != right && !drawn.iter().any(|edges| edges.is_near(point))
+            }));
+        }
+        drawn.push(&shape.edges);
+    }
+    (!is_whole || found.len() > own).then_some(found)
+}
+
+/// Parts of a chain that are kept: by a point on them, and the direction across.
+fn split(
+    chain: &Chain,
+    edges: &[&Edges],
+    is_kept: &dyn Fn([f64; 2], [f64; 2]) -> bool,
+) -> Vec<Chain> {
+    let mut parts: Vec<Chain> = Vec::new();
+    let mut open: Option<Chain> = None;
+    let (mut begins_in, mut is_whole) = (false, true);
+    for (index, (from, curve)) in chain.curves().enumerate() {
+        let mut places = vec![0.0, 1.0];
+        let count = curve.chords(from, FLATNESS_M);
+        let part = |index: u32| f64::from(index) / f64::from(count);
+        let mut at = from;
+        for chord in 0..count {
+            let to = match chord + 1 == count {
+                true => curve.end(),
+                false => curve.at(from, part(chord + 1)),
+            };
+            for edges in edges {
+                edges.crossings(at, to, &mut |place| {
+                    places.push(part(chord) + place / f64::from(count))
+                });
+            }
+            at = to;
+        }
+        places.sort_by(f64::total_cmp);
+        let mut begin = 0.0;
+        let mut run: Option<f64> = None;
+        for &end in &places[1..] {
+            let points = [0.25, 0.5, 0.75].map(|p| curve.at(from, begin + p * (end - begin)));
+            let along = [points[2][0] - points[0][0], points[2][1] - points[0][1]];
+            let length = libm::hypot(along[0], along[1]);
+            // Two crossings in one place.
+            if length < 0.1 * NEAR_M && end < 1.0 {
+                continue;
+            }
+            let normal = match length > 0.0 {
+                true => [-along[1] / length, along[0] / length],
+                false => [0.0; 2],
+            };
+            match is_kept(points[1], normal) {
+                true => {
+                    begins_in |= index == 0 && begin == 0.0;
+                    run = run.or(Some(begin));
+                }
+                false => {
+                    is_whole = false;
+                    if let Some(start) = run.take() {
+                        add(&mut open, from, curve, [start, begin]);
+                    }
+                    parts.extend(open.take());
+                }
+            }
+            begin = end;
+        }
+        if let Some(start) = run {
+            add(&mut open, from, curve, [start, 1.0]);
+        }
+    }
+    if is_whole {
+        return vec![chain.clone()];
+    }
+    match open {
+        // The start of a closed chain is no end of a part.
+        Some(mut last)
+            if begins_in && distance(last.end(), chain.start) < NEAR_M && !parts.is_empty() =>
+        {
+            last.curves.extend(parts.remove(0).curves);
+            parts.insert(0, last);
+        }
+        open => parts.extend(open),
+    }
+    parts
+}
+
+fn add(open: &mut Option<Chain>, from: [f64; 2], curve: &Curve, ends: [f64; 2]) {
+    let (start, part) = match ends == [0.0, 1.0] {
+        true => (from, *curve),
+        false => curve.part(from, ends),
+    };
+    open.get_or_insert_with(|| Chain::new(start))
+        .curves
+        .push(part);
+}
+
+/// Chords around a shape, by rows along y.
+#[derive(Debug)]
+struct Edges {
+    edges: Vec<[[f64; 2]; 2]>,
+    rows: Vec<Vec<u32>>,
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl Edges {
+    fn new(chains: &[Chain]) -> Self {
+        let mut edges = Vec::new();
+        for chain in chains {
+            let mut points = chain.points(FLATNESS_M);
+            points.push(chain.start);
+            edges.extend(points.windows(2).map(|pair| [pair[0], pair[1]]));
+        }
+        let all = || edges.iter().flatten();
+        let low = [0, 1].map(|i| all().map(|point| point[i]).fold(f64::INFINITY, f64::min));
+        let high = [0, 1].map(|i| {
+            all()
+                .map(|point| point[i])
+                .fold(f64::NEG_INFINITY, f64::max)
+        });
+        let mut found = Self {
+            rows: vec![Vec::new(); edges.len().clamp(1, ROWS_MAX)],
+            edges,
+            low,
+            high,
+        };
+        for index in 0..found.edges.len() {
+            let [a, b] = found.edges[index];
+            let rows = found.rows_of(a[1].min(b[1]), a[1].max(b[1]));
+            for row in rows {
+                found.rows[row].push(index as u32);
+            }
+        }
+        found
+    }
+
+    /// Rows that hold the heights between two.
+    fn rows_of(&self, low: f64, high: f64) -> std::ops::RangeInclusive<usize> {
+        let count = self.rows.len();
+        let height = (self.high[1] - self.low[1]).max(f64::MIN_POSITIVE);
+        let row = |y: f64| {
+            ((y - self.low[1]) / height * count as f64).clamp(0.0, (count - 1) as f64) as usize
+        };
+        row(low - NEAR_M)..=row(high + NEAR_M)
+    }
+
+    fn winding(&self, [x, y]: [f64; 2]) -> i32 {
+        if !(self.low[1]..=self.high[1]).contains(&y) {
+            return 0;
+        }
+        let row = *self.rows_of(y + NEAR_M, y - NEAR_M).start();
+        let mut winding = 0;
+        for &index in &self.rows[row] {
+            let [a, b] = self.edges[index as usize];
+            if (a[1] <= y) == (b[1] <= y) {
+                continue;
+            }
+            let at = a[0] + (y - a[1]) / (b[1] - a[1]) * (b[0] - a[0]);
+            if at > x {
+                winding += if a[1] < b[1] { 1 } else { -1 };
+            }
+        }
+        winding
+    }
+
+    fn is_near(&self, point: [f64; 2]) -> bool {
+        let outside = [0, 1]
+            .iter()
+            .any(|&i| point[i] < self.low[i] - NEAR_M || point[i] > self.high[i] + NEAR_M);
+        !outside
+            && self.rows_of(point[1], point[1]).any(|row| {
+                self.rows[row].iter().any(|&index| {
+                    let [a, b] = self.edges[index as usize];
+                    let side = [b[0] - a[0], b[1] - a[1]];
+                    let size = side[0] * side[0] + side[1] * side[1];
+                    let dot = (point[0] - a[0]) * side[0] + (point[1] - a[1]) * side[1];
+                    let t = if size > 0.0 {
+                        (dot / size).clamp(0.0, 1.0)
+                    } else {
+                        0.0
+                    };
+                    distance(point, [a[0] + t * side[0], a[1] + t * side[1]]) <= NEAR_M
+                })
+            })
+    }
+
+    /// Tells the places, 0 to 1 of a chord, at which it meets an edge.
+    fn crossings(&self, p: [f64; 2], q: [f64; 2], tell: &mut dyn FnMut(f64)) {
+        let (low, high) = (
+            [p[0].min(q[0]), p[1].min(q[1])],
+            [p[0].max(q[0]), p[1].max(q[1])],
+        );
+        if [0, 1]
+            .iter()
+            .any(|&i| high[i] < self.low[i] - NEAR_M || low[i] > self.high[i] + NEAR_M)
+        {
+            return;
+        }
+        let r = [q[0] - p[0], q[1] - p[1]];
+        let length = libm::hypot(r[0], r[1]);
+        if length == 0.0 {
+            return;
+        }
+        let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+        let rows = self.rows_of(low[1], high[1]);
+        let first = *rows.start();
+        for row in rows {
+            for &index in &self.rows[row] {
+                let [a, b] = self.edges[index as usize];
+                // An edge of several rows is met in the first of them.
+                if row > first && *self.rows_of(a[1].min(b[1]), a[1].max(b[1])).start() != row {
+                    continue;
+                }
+                if [0, 1]
+                    .iter()
+                    .any(|&i| a[i].max(b[i]) < low[i] - NEAR_M || a[i].min(b[i]) > high[i] + NEAR_M)
+                {
+                    continue;
+                }
+                let s = [b[0] - a[0], b[1] - a[1]];
+                let size = libm::hypot(s[0], s[1]);
+                let to = [a[0] - p[0], a[1] - p[1]];
+                let across = cross(r, s);
+                let mut tell_in = |place: f64| {
+                    let near = NEAR_M / length;
+                    if (-near..=1.0 + near).contains(&place) {
+                        tell(place.clamp(0.0, 1.0));
+                    }
+                };
+                if across.abs() > 1e-9 * length * size {
+                    let along = cross(to, r) / across * size;
+                    if (-NEAR_M..=size + NEAR_M).contains(&along) {
+                        tell_in(cross(to, s) / across);
+                    }
+                } else if (cross(r, to) / length).abs() <= NEAR_M {
+                    for end in [a, b] {
+                        let dot = (end[0] - p[0]) * r[0] + (end[1] - p[1]) * r[1];
+                        tell_in(dot / (length * length));
+                    }
+                }
+            }
+        }
+    }
+}
