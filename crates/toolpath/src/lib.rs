@@ -140,6 +140,32 @@ pub struct PathFault {
     pub reason: String,
 }
 
+/// Remark about a file that is played as it stands, and was hardly meant so.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PathRemark {
+    /// Line of the file, from 1; 0 where the remark is about the whole file.
+    pub line: u32,
+    /// One sentence: fact, and what would do.
+    pub text: String,
+}
+
+impl PathRemark {
+    /// Remark about a line; 0: about the whole file.
+    pub fn new(line: u32, text: impl Into<String>) -> Self {
+        let text = text.into();
+        Self { line, text }
+    }
+}
+
+impl fmt::Display for PathRemark {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.line > 0 {
+            write!(f, "line {}: ", self.line)?;
+        }
+        f.write_str(&self.text)
+    }
+}
+
 fn list(line: u32, word: &str, reason: &str) -> impl fmt::Display {
     let place = match line {
         0 => String::new(),

@@ -1,6 +1,7 @@
 //! Drawings as numbers and names: to hand one from a program to another, as WebAssembly modules do.
 
 use super::{Area, AreaClip, Drawing, Rgb, Shape, Stroke, StrokeCurve};
+use crate::PathRemark;
 
 /// Number in place of no colour.
 const NO_COLOUR: f64 = -1.0;
@@ -8,9 +9,9 @@ const NO_COLOUR: f64 = -1.0;
 /// A drawing as numbers and names. See [`Drawing::flat`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FlatDrawing {
-    /// Strokes, then areas, each list behind its length.
+    /// Strokes, then areas, then lines of remarks, each list behind its length.
     pub numbers: Vec<f64>,
-    /// Name and layer of each shape.
+    /// Text of each remark, then name and layer of each shape.
     pub names: Vec<String>,
 }
 
@@ -32,12 +33,14 @@ impl Drawing {
                 put_strokes(&mut numbers, &clip.outlines);
             }
         }
-        let names = self.shapes.iter();
+        numbers.push(self.remarks.len() as f64);
+        numbers.extend(self.remarks.iter().map(|remark| f64::from(remark.line)));
+        let texts = self.remarks.iter().map(|remark| remark.text.clone());
+        let shapes = self.shapes.iter();
+        let names = shapes.flat_map(|shape| [shape.name.clone(), shape.layer.clone()]);
         FlatDrawing {
             numbers,
-            names: names
-                .flat_map(|shape| [shape.name.clone(), shape.layer.clone()])
-                .collect(),
+            names: texts.chain(names).collect(),
         }
     }
 }
@@ -58,7 +61,11 @@ impl FlatDrawing {
             })
         });
         let areas = areas.collect::<Option<_>>()?;
-        let shapes = self.names.chunks_exact(2).map(|names| Shape {
+        let lines = (0..numbers.count()?).map(|_| Some(numbers.count()? as u32));
+        let lines = lines.collect::<Option<Vec<_>>>()?;
+        let (texts, names) = self.names.split_at_checked(lines.len())?;
+        let remarks = lines.into_iter().zip(texts);
+        let shapes = names.chunks_exact(2).map(|names| Shape {
             name: names[0].clone(),
             layer: names[1].clone(),
         });
@@ -66,6 +73,9 @@ impl FlatDrawing {
             strokes,
             areas,
             shapes: shapes.collect(),
+            remarks: remarks
+                .map(|(line, text)| PathRemark::new(line, text))
+                .collect(),
         })
     }
 }
@@ -192,6 +202,7 @@ mod tests {
             adds: false,
             is_last: true,
         });
+        drawing.remarks.push(PathRemark::new(3, "hardly meant"));
         let flat = drawing.flat();
         assert_eq!(flat.drawing(), Some(drawing));
         for length in 0..flat.numbers.len() {

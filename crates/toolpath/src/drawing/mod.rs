@@ -21,7 +21,7 @@ pub use stroke::{Stroke, StrokeCurve};
 #[cfg(feature = "svg")]
 pub use svg::read_svg;
 
-use crate::{Act, Element, ToolCurve, ToolMotion, ToolPlace, ToolWork};
+use crate::{Act, Element, PathRemark, ToolCurve, ToolMotion, ToolPlace, ToolWork};
 
 /// Largest distance of a chord from its curve, m, where a curve is measured or filled.
 const FLATNESS_M: f64 = 1e-5;
@@ -38,6 +38,8 @@ pub struct Drawing {
     pub(crate) areas: Vec<Area>,
     /// Shapes of the file.
     pub(crate) shapes: Vec<Shape>,
+    /// Remarks of the reader: what is drawn, or left out, and hardly meant so.
+    pub remarks: Vec<PathRemark>,
 }
 
 /// Shape of a file.
