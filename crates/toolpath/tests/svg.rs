@@ -822,6 +822,34 @@ fn text_and_images_that_nobody_sees_are_no_text_and_no_images() {
 }
 
 #[test]
+fn a_white_page_is_remarked() {
+    for (content, lines) in [
+        (
+            r##"<rect width="100%" height="100%" fill="white"/>"##,
+            vec![1],
+        ),
+        ("\n<path id='p' d='M0 0h100v100H0z' fill='#fff'/>", vec![2]),
+        (
+            r##"<rect x="-9" y="-9" width="200" height="200" style="fill:rgb(255 255 255)"/>"##,
+            vec![1],
+        ),
+        (
+            r##"<rect width="100%" height="100%" fill="white" stroke="black"/>"##,
+            vec![],
+        ),
+        (r##"<rect width="100%" height="100%" fill="red"/>"##, vec![]),
+        (
+            r##"<rect width="100%" height="50%" fill="white"/>"##,
+            vec![],
+        ),
+    ] {
+        let found = drawing(content);
+        let told: Vec<u32> = found.remarks.iter().map(|remark| remark.line).collect();
+        assert_eq!(told, lines, "{content}");
+    }
+}
+
+#[test]
 fn files_of_every_encoding_are_read() {
     let latin = b"<?xml version=\"1.0\" encoding=\"ISO-8859-1\"?><svg xmlns=\"http://www.w3.org/2000/svg\" width=\"100mm\" height=\"100mm\" viewBox=\"0 0 100 100\"><title>gr\xFC\xDFe</title><path id=\"\xE4\" d=\"M10 10H90\" stroke=\"#000\"/></svg>";
     let text = page(SEEN);

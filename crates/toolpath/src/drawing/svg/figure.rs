@@ -7,9 +7,9 @@ use super::style::{Ink, Style};
 use super::values::number;
 use super::walk::Walk;
 use super::{PIXEL_M, XmlNode};
-use crate::PathFault;
 use crate::drawing::join::join;
 use crate::drawing::{Area, AreaClip, Drawing, Shape, Stroke};
+use crate::{PathFault, PathRemark};
 use kurbo::Affine;
 use std::rc::Rc;
 
@@ -38,8 +38,13 @@ pub(super) struct Figure<'f> {
     pub(super) path_length: Option<&'f str>,
 }
 
-/// Adds the strokes and the area of a figure.
-pub(super) fn add(walk: &Walk, figure: &Figure, drawing: &mut Drawing) -> Result<(), PathFault> {
+/// Adds the strokes and the area of a figure, on a page from zero to its sides, m.
+pub(super) fn add(
+    walk: &Walk,
+    figure: &Figure,
+    page_m: [f64; 2],
+    drawing: &mut Drawing,
+) -> Result<(), PathFault> {
     let Some(ink) = figure.stroke.or(figure.fill) else {
         return Ok(());
     };
@@ -102,6 +107,14 @@ pub(super) fn add(walk: &Walk, figure: &Figure, drawing: &mut Drawing) -> Result
     if strokes.is_empty() && area.is_none() {
         return Ok(());
     }
+    if figure.stroke.is_none() && ink.rgb == Some([255; 3]) && covers(&filled, page_m) {
+        let place = walk.fault(figure.node, String::new());
+        let text = format!(
+            "{}: a white area covers the page, and is drawn as every other; remove it if it is the paper, or leave it out: --pen \"#ffffff=off\"",
+            place.word
+        );
+        drawing.remarks.push(PathRemark::new(place.line, text));
+    }
     drawing.shapes.push(Shape {
         name: figure.node.attribute("id").unwrap_or_default().to_owned(),
         layer: figure.layer.to_owned(),
@@ -122,6 +135,15 @@ pub(super) fn add(walk: &Walk, figure: &Figure, drawing: &mut Drawing) -> Result
     }
     drawing.strokes.extend(strokes);
     Ok(())
+}
+
+/// Returns true if an area reaches around the page.
+fn covers(chains: &[Chain], page_m: [f64; 2]) -> bool {
+    let points = || chains.iter().flat_map(Chain::hull);
+    [0, 1].into_iter().all(|i| {
+        let near = 5e-3 * page_m[i];
+        points().any(|point| point[i] <= near) && points().any(|point| point[i] >= page_m[i] - near)
+    })
 }
 
 /// Shapes of a region; the last one ends the region.

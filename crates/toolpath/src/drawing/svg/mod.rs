@@ -69,9 +69,10 @@ pub fn read_svg(file: impl AsRef<[u8]>) -> Result<Drawing, PathFault> {
     let walk = Walk::new(&document, &sheet)?;
     let (page, map) = walk.page()?;
     let mut drawing = Drawing::default();
+    let page_m = page.map(|side| PIXEL_M * side);
     let upward = Affine::new([PIXEL_M, 0.0, 0.0, -PIXEL_M, 0.0, PIXEL_M * page[1]]);
     walk.draw(upward * map, &mut |figure| {
-        figure::add(&walk, &figure, &mut drawing)
+        figure::add(&walk, &figure, page_m, &mut drawing)
     })?;
     match drawing.strokes.is_empty() {
         true => Err(PathFault {
