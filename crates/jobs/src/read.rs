@@ -120,7 +120,7 @@ pub fn drawing_job(
         fitted,
     } = place(drawing, machine, level_origin_m(options)?, &options.drawing)?;
     let elements = drawing.elements(&setup);
-    let job = element_job(&elements, machine, options, PlacesIn::Drawing(drawing))?;
+    let job = element_job(&elements, machine, options, PlacesIn::Drawing(drawing, setup))?;
     Ok(ReadJob { fitted, ..job })
 }
 

@@ -9,6 +9,7 @@ use crate::judge::{Judgement, Objection, judge_quickly, misfit};
 use crate::levels::JobLevels;
 use crate::offer::CAPACITY;
 use crate::outputs::JobOutputs;
+use crate::reach_map::Reach;
 use crate::read::Document;
 use crate::tool::follows_speed;
 use crate::unplanned::Unplanned;
@@ -22,8 +23,9 @@ use trirrr_core::setpoint::{Ends, Pose};
 use trirrr_core::units::Units;
 use trirrr_plan::alpha::{Sampler, choose_alpha};
 use trirrr_plan::cell::{Limited, Planner};
-use trirrr_plan::course::Effort;
+use trirrr_plan::course::{Effort, PathPiece};
 use trirrr_plan::moves::{Judged, PlannedMove, PlannedMoves, Sampling, plan_moves};
+
 use trirrr_plan::piece::Piece;
 use trirrr_protocol::message::{Bounded, Violation};
 use trirrr_service::paces::longest_move;
@@ -480,6 +482,22 @@ fn shortest_reach_m(scene: &Scene) -> f64 {
     reaches.fold(f64::INFINITY, f64::min)
 }
 
+/// Refusal of a piece that ends where the machine is not: known without a plan of those before it.
+fn refused_at_once(scene: &Scene, path: &JobPath) -> Option<Unplanned> {
+    let reach = Reach::new(scene, &scene.job.start).ok()?;
+    let is_beyond = |each: &&PathPiece| reach.margin(&each.piece.at(1.0).pose).is_none();
+    let piece = path.pieces.iter().find(is_beyond)?;
+    let alone = JobPath {
+        pieces: vec![*piece],
+        free: None,
+        dwells: Vec::new(),
+        rows: Vec::new(),
+        outputs: Vec::new(),
+        ..path.clone()
+    };
+    plan_part(scene, &alone, None, Effort::default()).err()
+}
+
 impl Scene {
     /// Gives the machine another job: `path`, which begins where the job of the scene does. The planned moves take the
     /// place of the job's; nothing else changes. A path of many thousand pieces is planned in blocks: the machine stands between two
@@ -491,6 +509,9 @@ impl Scene {
         if is_one_block(self, path) {
             let planned = plan_job(self, path, Effort::default())?;
             return self.take_steps(planned.steps(), planned.path);
+        }
+        if let Some(refusal) = refused_at_once(self, path) {
+            return Err(refusal);
         }
         let mut steps: Vec<(usize, JobMove)> = Vec::new();
         let scene = &*self;

@@ -1,7 +1,7 @@
 //! Map of the places that a machine reaches with one angle of its platform.
 
 use crate::Scene;
-use crate::pipeline;
+use crate::pipeline::{self, Pipeline};
 use crate::record::Record;
 use nalgebra::Vector3;
 use trirrr_core::machine::{BuildError, LegParameters};
@@ -39,37 +39,72 @@ pub struct Room {
     pub factor: f64,
 }
 
+/// Poses that a machine has on the side of the singularities on which it starts.
+pub(crate) struct Reach {
+    machine: Box<dyn Pipeline<f64>>,
+    /// Least distances to the serial and parallel singularities.
+    least: [f64; 2],
+    /// Side on which the machine starts.
+    is_positive: bool,
+    holds_start: bool,
+}
+
+impl Reach {
+    /// Reach of the machine of `scene` from `start`.
+    ///
+    /// # Errors
+    /// First quantity of the machine that is refused.
+    pub(crate) fn new(scene: &Scene, start: &Pose<f64>) -> Result<Self, BuildError> {
+        let limits = &scene.limits;
+        let mut reach = Self {
+            machine: pipeline::of_scene::<f64>(scene, Units::SI)?,
+            least: [limits.serial_distance_min, limits.parallel_distance_min],
+            is_positive: true,
+            holds_start: true,
+        };
+        let at_start = reach.at(start);
+        reach.is_positive = at_start.as_ref().is_some_and(|record| record.det_a > 0.0);
+        reach.holds_start = at_start.is_some();
+        Ok(reach)
+    }
+
+    fn at(&self, pose: &Pose<f64>) -> Option<Record> {
+        let setpoint = Setpoint {
+            pose: *pose,
+            velocity: Vector3::zeros(),
+            acceleration: Vector3::zeros(),
+        };
+        self.machine.evaluate(0.0, &setpoint).ok()
+    }
+
+    /// Distance of a pose to the next singularity. None: the machine does not get there.
+    pub(crate) fn margin(&self, pose: &Pose<f64>) -> Option<f64> {
+        let record = self.at(pose)?;
+        let [serial_min, parallel_min] = self.least;
+        let serial = record.legs.iter().map(|leg| leg.serial).fold(1.0, f64::min);
+        let reached = serial >= serial_min
+            && record.parallel >= parallel_min
+            && (record.det_a > 0.0) == self.is_positive;
+        reached.then_some(serial.min(record.parallel))
+    }
+}
+
 impl ReachMap {
     /// Maps the reach of the machine of `scene` with the angle of `start`.
     ///
     /// # Errors
     /// First quantity of the machine that is refused.
     pub fn new(scene: &Scene, start: &Pose<f64>) -> Result<Self, BuildError> {
-        let machine = pipeline::of_scene::<f64>(scene, Units::SI)?;
-        let evaluate = |[x, y]: [f64; 2]| {
-            let setpoint = Setpoint {
-                pose: Pose::from_f64(x, y, start.angle),
-                velocity: Vector3::zeros(),
-                acceleration: Vector3::zeros(),
-            };
-            machine.evaluate(0.0, &setpoint).ok()
-        };
         let mut map = Self::empty(&scene.parameters.legs);
-        let Some(at_start) = evaluate(start.position.into()) else {
+        let reach = Reach::new(scene, start)?;
+        if !reach.holds_start {
             return Ok(map);
-        };
-        let least = &scene.limits;
-        let margin = |record: Record| {
-            let serial = record.legs.iter().map(|leg| leg.serial).fold(1.0, f64::min);
-            let reached = serial >= least.serial_distance_min
-                && record.parallel >= least.parallel_distance_min
-                && (record.det_a > 0.0) == (at_start.det_a > 0.0);
-            reached.then_some(serial.min(record.parallel))
-        };
+        }
         for row in 0..map.rows {
             for column in 0..map.columns {
-                let place = map.place_m(column, row);
-                map.margins[row * map.columns + column] = evaluate(place).and_then(margin);
+                let [x, y] = map.place_m(column, row);
+                let pose = Pose::from_f64(x, y, start.angle);
+                map.margins[row * map.columns + column] = reach.margin(&pose);
             }
         }
         map.keep_what_leads_to(start.position.into());

@@ -1,6 +1,9 @@
 //! Raster images: powers, rows and runs, against what the pixels say.
 
-use image::{GrayImage, ImageFormat, Luma, LumaA, Rgb, RgbImage};
+use image::codecs::jpeg::{JpegEncoder, PixelDensity};
+use image::codecs::png::PngEncoder;
+use image::codecs::webp::WebPEncoder;
+use image::{DynamicImage, GrayImage, ImageEncoder, ImageFormat, Luma, LumaA, Rgb, RgbImage};
 use std::io::Cursor;
 use trirrr_toolpath::raster::{GreyImage, Raster, RasterSetup, Tones, read_image};
 use trirrr_toolpath::{Act, Element, ToolPlace, ToolWork};
@@ -324,5 +327,161 @@ fn what_is_no_image_is_refused() {
             !is_cut || read_image(&file[..place]).is_err(),
             "cut at {place}"
         );
+    }
+}
+
+/// EXIF data: its orientation, and a density by inch.
+fn exif(orientation: u16, dpi: u32) -> Vec<u8> {
+    let mut data = b"MM\0\x2A\0\0\0\x08\0\x04".to_vec();
+    let long = |value: u32| value.to_be_bytes();
+    let mut tag = |number: u16, kind: u16, value: [u8; 4]| {
+        data.extend(number.to_be_bytes());
+        data.extend(kind.to_be_bytes());
+        data.extend(long(1));
+        data.extend(value);
+    };
+    let [high, low] = orientation.to_be_bytes();
+    tag(274, 3, [high, low, 0, 0]);
+    tag(282, 5, long(62));
+    tag(283, 5, long(62));
+    tag(296, 3, [0, 2, 0, 0]);
+    data.extend([long(0), long(dpi), long(1)].concat());
+    data
+}
+
+/// Corner of an image of 16 by 8 that is burnt, in the eight ways of EXIF: what is black of the file comes to stand there.
+#[test]
+fn an_image_stands_as_its_exif_says() {
+    // Black: the left half of the upper half.
+    let pixels = GrayImage::from_fn(32, 16, |column, row| {
+        Luma([if column < 16 && row < 8 { 0 } else { 255 }])
+    });
+    // As a viewer shows it, black is above (true) or below, left (true) or right.
+    let shown = [
+        (true, true),
+        (true, false),
+        (false, false),
+        (false, true),
+        (true, true),
+        (true, false),
+        (false, false),
+        (false, true),
+    ];
+    for (orientation, (above, left)) in (1..=8).zip(shown) {
+        let data = exif(orientation, 254);
+        let mut png = Vec::new();
+        let mut encoder = PngEncoder::new(&mut png);
+        encoder.set_exif_metadata(data.clone()).unwrap();
+        pixels.write_with_encoder(encoder).unwrap();
+        let mut jpeg = Vec::new();
+        let mut encoder = JpegEncoder::new_with_quality(&mut jpeg, 100);
+        encoder.set_exif_metadata(data.clone()).unwrap();
+        pixels.write_with_encoder(encoder).unwrap();
+        let mut webp = Vec::new();
+        let mut encoder = WebPEncoder::new_lossless(&mut webp);
+        encoder.set_exif_metadata(data).unwrap();
+        pixels.write_with_encoder(encoder).unwrap();
+        for file in [png, jpeg, webp] {
+            let found = read_image(&file).expect("an image");
+            let sides = if orientation < 5 { [32, 16] } else { [16, 32] };
+            assert_eq!(
+                [
+                    found.columns(),
+                    (f64::from(found.columns()) * found.aspect()) as u32
+                ],
+                sides,
+                "{orientation}"
+            );
+            let two = Tones { count: 2, ..TONES };
+            let path = found
+                .raster(f64::from(sides[0]), two)
+                .unwrap()
+                .path(&SETUP)
+                .unwrap();
+            for ([x, y], power, _) in steps(&path.elements) {
+                let is_left = x <= 0.5 * f64::from(sides[0]) + 1e-9;
+                let is_above = y > 0.5 * f64::from(sides[1]);
+                assert!(power == 0.0 || is_left || !left, "{orientation}: {x}");
+                assert!(power == 0.0 || is_above == above, "{orientation}: {y}");
+            }
+            assert!(
+                steps(&path.elements)
+                    .iter()
+                    .any(|(_, power, _)| *power > 0.0)
+            );
+        }
+    }
+}
+
+#[test]
+fn stills_of_every_kind_are_read() {
+    let pixels = GrayImage::from_fn(5, 3, |column, row| {
+        Luma([if column < row { 0 } else { 255 }])
+    });
+    let by = |format: ImageFormat| {
+        let mut file = Vec::new();
+        let image = DynamicImage::ImageLuma8(pixels.clone());
+        let image = match format {
+            ImageFormat::Gif => DynamicImage::ImageRgba8(image.into_rgba8()),
+            _ => image,
+        };
+        image.write_to(&mut Cursor::new(&mut file), format).unwrap();
+        file
+    };
+    let expected = read_image(&by(ImageFormat::Png))
+        .unwrap()
+        .raster(5.0, TONES)
+        .unwrap();
+    for format in [
+        ImageFormat::Bmp,
+        ImageFormat::Gif,
+        ImageFormat::Tiff,
+        ImageFormat::WebP,
+    ] {
+        let found = read_image(&by(format)).unwrap_or_else(|fault| panic!("{format:?}: {fault}"));
+        assert_eq!(found.raster(5.0, TONES).unwrap(), expected, "{format:?}");
+    }
+}
+
+#[test]
+fn the_size_of_pixels_is_that_of_the_file() {
+    let pixels = GrayImage::from_pixel(8, 8, Luma([0]));
+    let near = |file: &[u8], pitch_mm: f64| {
+        let found = 1e3 * read_image(file).unwrap().pitch_m().unwrap();
+        assert!((found - pitch_mm).abs() < 1e-5, "{found} is not {pitch_mm}");
+    };
+    let mut jpeg = Vec::new();
+    let mut encoder = JpegEncoder::new(&mut jpeg);
+    encoder.set_pixel_density(PixelDensity::dpi(254));
+    pixels.write_with_encoder(encoder).unwrap();
+    near(&jpeg, 0.1);
+    let mut jpeg = Vec::new();
+    let mut encoder = JpegEncoder::new(&mut jpeg);
+    encoder.set_exif_metadata(exif(1, 508)).unwrap();
+    pixels.write_with_encoder(encoder).unwrap();
+    near(&jpeg, 0.05);
+    let mut png = Vec::new();
+    pixels
+        .write_to(&mut Cursor::new(&mut png), ImageFormat::Png)
+        .unwrap();
+    let fault = read_image(&png).unwrap().pitch_m().expect_err("no size");
+    assert!(fault.to_string().contains("--pitch MM"), "{fault}");
+    for (sides, pitch_mm) in [([10_000_u32, 10_000], Some(0.1)), ([10_000, 20_000], None)] {
+        let mut chunk = b"pHYs".to_vec();
+        chunk.extend(sides.map(u32::to_be_bytes).as_flattened());
+        chunk.push(1);
+        let sum = crc(&chunk).to_be_bytes();
+        // Behind the head of 33 bytes.
+        let file = [&png[..33], &9_u32.to_be_bytes(), &chunk, &sum, &png[33..]].concat();
+        match pitch_mm {
+            Some(pitch_mm) => near(&file, pitch_mm),
+            None => {
+                let fault = read_image(&file)
+                    .unwrap()
+                    .pitch_m()
+                    .expect_err("no squares");
+                assert!(fault.to_string().contains("no squares"), "{fault}");
+            }
+        }
     }
 }

@@ -34,7 +34,7 @@ pub(super) fn rows(
         let reason = "an image has no speed: add --speed MM_PER_MIN, the speed along its rows";
         fault("", reason.into())
     })?;
-    let pitch_m = own.pitch_m();
+    let pitch_m = own.pitch_m(image)?;
     let tick_m = feed_m_s * scene.period_s();
     if tick_m > pitch_m * (1.0 + 1e-9) {
         let mm = |metres: f64| 1e3 * metres;
@@ -54,7 +54,7 @@ pub(super) fn rows(
         scale: shared.scale.unwrap_or(1.0),
         origin_m,
     };
-    let width_m = own.width_m(image.columns());
+    let width_m = own.width_m(image.columns(), pitch_m);
     if shared.fit {
         let bounds = [[0.0; 2], [width_m, width_m * image.aspect()]];
         placed = fit(bounds, own.overscan_m(), placed.scale, scene)?;

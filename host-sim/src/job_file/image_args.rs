@@ -3,10 +3,28 @@
 use crate::arguments::{distance, factor};
 use clap::Args;
 #[cfg(feature = "full")]
-use trirrr_toolpath::raster::Tones;
+use trirrr_toolpath::PathFault;
+#[cfg(feature = "full")]
+use trirrr_toolpath::raster::{GreyImage, Tones};
 
 /// Distance of rows, mm, where none is given.
 const PITCH_MM: f64 = 0.1;
+
+/// Length of a pixel on the machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PitchArg {
+    /// So many mm.
+    Millimetres(f64),
+    /// That which the file of the image names.
+    OfFile,
+}
+
+fn pitch(text: &str) -> Result<PitchArg, String> {
+    match text {
+        "file" => Ok(PitchArg::OfFile),
+        _ => factor(text).map(PitchArg::Millimetres),
+    }
+}
 
 /// Size, pitch and tones of a raster image.
 #[derive(Args, Clone, Debug, Default)]
@@ -14,9 +32,9 @@ pub struct ImageArgs {
     /// Image: its width, mm. Without it a pixel of the file is one of the machine
     #[arg(long, value_name = "MM", requires = "machine", value_parser = factor)]
     pub width: Option<f64>,
-    /// Image: length of a pixel on the machine, and distance of rows, mm [default: 0.1]
-    #[arg(long, value_name = "MM", requires = "machine", value_parser = factor)]
-    pub pitch: Option<f64>,
+    /// Image: length of a pixel on the machine, and distance of rows, mm; `file`: as the file says [default: 0.1]
+    #[arg(long, value_name = "MM|file", requires = "machine", value_parser = pitch)]
+    pub pitch: Option<PitchArg>,
     /// Image: length before and behind what is burnt, along which the machine has the speed of the row, mm [default: 0]
     #[arg(long, value_name = "MM", requires = "machine", value_parser = distance)]
     pub overscan: Option<f64>,
@@ -51,9 +69,17 @@ impl ImageArgs {
             .filter_map(|(is_given, name)| is_given.then_some(name))
     }
 
-    /// Pitch, m.
-    pub(super) fn pitch_m(&self) -> f64 {
-        1e-3 * self.pitch.unwrap_or(PITCH_MM)
+    /// Pitch for `image`, m.
+    ///
+    /// # Errors
+    /// That of the file is asked for, and the file names none.
+    #[cfg(feature = "full")]
+    pub(super) fn pitch_m(&self, image: &GreyImage) -> Result<f64, PathFault> {
+        match self.pitch {
+            Some(PitchArg::OfFile) => image.pitch_m(),
+            Some(PitchArg::Millimetres(pitch)) => Ok(1e-3 * pitch),
+            None => Ok(1e-3 * PITCH_MM),
+        }
     }
 
     /// Overscan, m.
@@ -61,11 +87,11 @@ impl ImageArgs {
         1e-3 * self.overscan.unwrap_or(0.0)
     }
 
-    /// Width of an image with `columns`, m.
-    pub(super) fn width_m(&self, columns: u32) -> f64 {
+    /// Width of an image with `columns` at a pitch, m.
+    pub(super) fn width_m(&self, columns: u32, pitch_m: f64) -> f64 {
         match self.width {
             Some(width) => 1e-3 * width,
-            None => f64::from(columns) * self.pitch_m(),
+            None => f64::from(columns) * pitch_m,
         }
     }
 

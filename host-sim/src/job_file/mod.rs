@@ -13,7 +13,7 @@ mod read;
 pub use args::JobFileArgs;
 pub(crate) use args::origin;
 pub use drawing_args::{DrawingArgs, PenArg};
-pub use image_args::ImageArgs;
+pub use image_args::{ImageArgs, PitchArg};
 use long::LongPath;
 use read::ReadWay;
 
@@ -125,7 +125,7 @@ pub(crate) fn load_drawn(
             file.display()
         ))),
         Some(_) if is_scene => Err(CliError::Refused(format!(
-            "{}: a scene has a machine and a job: leave --machine out, or give a job: G-code, SVG, DXF, PNG, JPEG, BMP or CSV",
+            "{}: a scene has a machine and a job: leave --machine out, or give a job: G-code, a drawing, an image or a table",
             file.display()
         ))),
         Some(machine) => load_for(file, machine, args, moves, figure),

@@ -58,8 +58,12 @@ impl From<ReadJob> for ReadPath {
 /// Looks whether this program reads files as `file`.
 ///
 /// # Errors
-/// In `trirrr-full`: drawings and images.
+/// In `trirrr-full`: drawings and images. Refused: files of programs that are no job.
 pub(super) fn require(file: &Path) -> Result<(), CliError> {
+    if let Some((kind, instead)) = JobKind::foreign(file) {
+        let name = file.display();
+        return Err(CliError::Refused(format!("{name}: {kind}; {instead}")));
+    }
     match JobKind::of(file) {
         #[cfg(not(feature = "full"))]
         kind @ (JobKind::Drawing | JobKind::Image) => Err(CliError::InFull(kind.name())),

@@ -6,7 +6,7 @@ use std::time::Duration;
 use tempfile::TempDir;
 use trirrr_client::local::{self, LocalService};
 use trirrr_client::{Dialogue, JobClient, JobPlace, JobRest, JobWork, Patience, Turn, UserCommand};
-use trirrr_host_sim::job_file::{DrawingArgs, ImageArgs, JobFileArgs, read_job};
+use trirrr_host_sim::job_file::{DrawingArgs, ImageArgs, JobFileArgs, PitchArg, read_job};
 use trirrr_protocol::message::{Message, State, Telemetry};
 use trirrr_scene::{Scene, offer};
 
@@ -78,7 +78,7 @@ fn job(folder: &Path, lists: bool) -> Scene {
             ..DrawingArgs::default()
         },
         image: ImageArgs {
-            pitch: Some(1e3 * PITCH_M),
+            pitch: Some(PitchArg::Millimetres(1e3 * PITCH_M)),
             overscan: Some(3.0),
             ..ImageArgs::default()
         },

@@ -1,9 +1,11 @@
 //! Image files, and their tones.
 
+use super::density::density;
 use super::{Raster, Tones};
 use crate::PathFault;
 use image::imageops::{self, FilterType};
-use image::{ImageBuffer, ImageReader, Limits, Luma, LumaA};
+use image::metadata::Orientation;
+use image::{DynamicImage, ImageBuffer, ImageDecoder, ImageReader, Limits, Luma, LumaA};
 use std::io::Cursor;
 
 /// Most pixels of a side of a file.
@@ -27,9 +29,12 @@ fn fault(reason: String) -> PathFault {
 #[derive(Clone, Debug, PartialEq)]
 pub struct GreyImage {
     pixels: ImageBuffer<Luma<f32>, Vec<f32>>,
+    /// Pixels by m along x and y, if the file names them.
+    density: Option<[f64; 2]>,
 }
 
-/// Reads an image: PNG, JPEG or BMP. Colours become grey by their luma (BT.709, as the file has them); what is
+/// Reads an image: PNG, JPEG, BMP, TIFF, WebP or GIF; of several pictures in a file, the first. It stands as its file says that it
+/// is to be seen (orientation of EXIF). Colours become grey by their luma (BT.709, as the file has them); what is
 /// transparent shows white.
 ///
 /// # Errors
@@ -53,20 +58,56 @@ pub fn read_image(bytes: &[u8]) -> Result<GreyImage, PathFault> {
     let mut limits = Limits::default();
     (limits.max_image_width, limits.max_image_height) = (Some(SIDE_MAX), Some(SIDE_MAX));
     reader.limits(limits);
-    let image = reader.decode().map_err(|error| unread(&error))?;
+    let mut decoder = reader.into_decoder().map_err(|error| unread(&error))?;
+    // A file whose remarks are damaged stands as its pixels do.
+    let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
+    let mut image = DynamicImage::from_decoder(decoder).map_err(|error| unread(&error))?;
+    image.apply_orientation(orientation);
     let image = image.into_luma_alpha8();
     let pixels = ImageBuffer::from_fn(image.width(), image.height(), |column, row| {
         let LumaA([luma, alpha]) = *image.get_pixel(column, row);
         let [luma, alpha] = [luma, alpha].map(|value| f32::from(value) / 255.0);
         Luma([1.0 - alpha * (1.0 - luma)])
     });
-    Ok(GreyImage { pixels })
+    let is_turned = matches!(
+        orientation,
+        Orientation::Rotate90
+            | Orientation::Rotate270
+            | Orientation::Rotate90FlipH
+            | Orientation::Rotate270FlipH
+    );
+    let density = density(bytes).map(|[x, y]| if is_turned { [y, x] } else { [x, y] });
+    Ok(GreyImage { pixels, density })
 }
 
 impl GreyImage {
     /// Height over width.
     pub fn aspect(&self) -> f64 {
         f64::from(self.pixels.height()) / f64::from(self.pixels.width())
+    }
+
+    /// Length of a pixel as the file says, m.
+    ///
+    /// # Errors
+    /// The file says nothing about it, or its pixels are no squares.
+    pub fn pitch_m(&self) -> Result<f64, PathFault> {
+        let refused = |reason: String| PathFault {
+            word: "--pitch file".into(),
+            ..fault(reason)
+        };
+        match self.density {
+            Some([x, y]) if (x / y - 1.0).abs() < 0.01 => Ok(1.0 / x),
+            Some(sides) => {
+                let [x, y] = sides.map(|pixels| 0.0254 * pixels);
+                Err(refused(format!(
+                    "the pixels of the file are no squares: {x:.1} and {y:.1} on an inch; take --pitch MM"
+                )))
+            }
+            None => Err(refused(
+                "the file does not say how large its pixels are; take --pitch MM or --width MM"
+                    .into(),
+            )),
+        }
     }
 
     /// Pixels of a row of the file.

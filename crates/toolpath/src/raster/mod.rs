@@ -1,5 +1,6 @@
 //! Raster images: rows along x, each a chain of runs of equal power.
 
+mod density;
 mod grey;
 mod rows;
 
