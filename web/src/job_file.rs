@@ -189,7 +189,8 @@ fn read(
 /// Returns true for the name of a drawing; other files are G-code.
 #[wasm_bindgen(js_name = isDrawing)]
 pub fn is_drawing(file: &str) -> bool {
-    file.to_ascii_lowercase().ends_with(".svg")
+    let file = file.to_ascii_lowercase();
+    file.ends_with(".svg") || file.ends_with(".svgz")
 }
 
 fn notes(read: &ReadJob) -> Vec<String> {

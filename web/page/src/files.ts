@@ -3,6 +3,7 @@
 /** Text of a file, or a sentence on the line that is none. */
 export async function textOf(file: File): Promise<string> {
     const bytes = new Uint8Array(await file.arrayBuffer());
+    if (/\.svgz?$/i.test(file.name)) return drawingOf(file.name, bytes);
     let text: string;
     try {
         text = new TextDecoder("utf-8", { fatal: true }).decode(bytes);
@@ -11,8 +12,27 @@ export async function textOf(file: File): Promise<string> {
     }
     // The editor would make a line of each.
     const at = text.search(/\r(?!\n)/);
-    if (at >= 0 && !/\.svg$/i.test(file.name)) throw new Error(`${file.name}: line ${text.slice(0, at).split("\n").length}: the line has a line break in it`);
+    if (at >= 0) throw new Error(`${file.name}: line ${text.slice(0, at).split("\n").length}: the line has a line break in it`);
     return text;
+}
+
+/** Text of a drawing: plain or packed, in the encoding of its byte order mark or of its head. */
+async function drawingOf(name: string, bytes: Uint8Array<ArrayBuffer>): Promise<string> {
+    if (bytes[0] === 0x1f && bytes[1] === 0x8b) {
+        const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+        bytes = new Uint8Array(await new Response(unpacked).arrayBuffer());
+    }
+    const [first, second] = bytes;
+    const isLow = (first === 0xff && second === 0xfe) || (first === 0x3c && second === 0);
+    const isHigh = (first === 0xfe && second === 0xff) || (first === 0 && second === 0x3c);
+    const head = new TextDecoder("latin1").decode(bytes.subarray(0, 256));
+    const named = /^<\?xml[^>]*\sencoding\s*=\s*["']([^"']*)/.exec(head)?.[1];
+    const encoding = isLow ? "utf-16le" : isHigh ? "utf-16be" : (named ?? "utf-8");
+    try {
+        return new TextDecoder(encoding, { fatal: true }).decode(bytes);
+    } catch {
+        throw new Error(`${name}: line ${lineOf(bytes)}: the line is not in ${encoding}; save the file as UTF-8`);
+    }
 }
 
 /** Number of the first line that is no UTF-8. */

@@ -1,13 +1,20 @@
 //! Dashes of a stroke.
 
-use super::curve::{Chain, Curve};
+use super::chain::Chain;
+use super::curve::Curve;
 
-/// Most dashes of a file.
-pub(super) const DASHES_MAX: usize = 1_000_000;
+/// Most dashes of a shape.
+pub(super) const DASHES_MAX: f64 = 1e6;
 
 /// Cuts chains into dashes: lengths with and without a line, in turn, from `offset` on. Nothing where they are too many.
 pub(super) fn dashes(chains: &[Chain], lengths: &[f64], offset: f64) -> Option<Vec<Chain>> {
     let period: f64 = lengths.iter().sum();
+    let way: f64 = chains.iter().map(Chain::length).sum();
+    // Of an empty list, or one with numbers beyond counting, no part is a number.
+    let count = way / period * lengths.len() as f64;
+    if count.is_nan() || count > DASHES_MAX {
+        return None;
+    }
     let mut found = Vec::new();
     for chain in chains {
         let mut pen = Pen::new(lengths, offset.rem_euclid(period), chain.start);
@@ -21,9 +28,6 @@ pub(super) fn dashes(chains: &[Chain], lengths: &[f64], offset: f64) -> Option<V
                 pen.draw(from, curve, [t, next]);
                 pen.turn(curve.at(from, next), &mut found);
                 t = next;
-                if found.len() > DASHES_MAX {
-                    return None;
-                }
             }
             pen.left -= whole - at;
             pen.draw(from, curve, [t, 1.0]);

@@ -1,6 +1,7 @@
 //! Figures: shapes that are seen, to the strokes and areas of a drawing.
 
-use super::curve::{Chain, Curve, distance};
+use super::chain::Chain;
+use super::curve::{Curve, distance};
 use super::dash::{DASHES_MAX, dashes};
 use super::region::{Region, cut_area, cut_lines};
 use super::style::{Ink, Style};
@@ -223,13 +224,7 @@ fn dashed(walk: &Walk, figure: &Figure, placed: &[Chain]) -> Result<Vec<Chain>, 
         .and_then(|text| number(text.trim()))
         .map(|(value, _)| value);
     if let Some(given) = given.filter(|given| *given > 0.0) {
-        let lengths = chains.iter().flat_map(|chain| {
-            chain
-                .curves()
-                .map(|(from, curve)| curve.lengths(from).last().copied().unwrap_or(0.0))
-                .collect::<Vec<_>>()
-        });
-        factor = lengths.sum::<f64>() / given;
+        factor = chains.iter().map(Chain::length).sum::<f64>() / given;
     }
     let lengths: Vec<f64> = style.dashes.iter().map(|length| factor * length).collect();
     let cut = dashes(&chains, &lengths, factor * style.dash_offset).ok_or_else(|| {

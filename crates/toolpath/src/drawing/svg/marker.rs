@@ -1,7 +1,8 @@
 //! Markers: drawings at the vertices of a shape.
 
+use super::chain::Chain;
 use super::css::Declared;
-use super::curve::{Chain, Curve};
+use super::curve::Curve;
 use super::path::rectangle;
 use super::region::{Region, RegionShape};
 use super::state::State;

@@ -3,14 +3,18 @@
 //! Every element is drawn, or is seen by nobody by a rule that stands here, or is refused by its line and name. Numbers are
 //! those of the file in 64 bits, all the way.
 
+mod chain;
 mod clip;
+mod copies;
 mod css;
 mod curve;
 mod dash;
+mod edges;
 mod figure;
 mod marker;
 mod paint;
 mod path;
+mod refused;
 mod region;
 mod server;
 mod shape;

@@ -1,6 +1,7 @@
 //! Path data, lists of points, and basic shapes: to chains of curves in user units.
 
-use super::curve::{Chain, Curve};
+use super::chain::Chain;
+use super::curve::Curve;
 use kurbo::{Arc, Point, SvgArc, Vec2};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use svgtypes::{PathParser, PathSegment, PointsParser};

@@ -1,7 +1,7 @@
 //! Shapes: their outlines, and the paints that are seen.
 
+use super::chain::Chain;
 use super::css::Declared;
-use super::curve::Chain;
 use super::figure::Figure;
 use super::paint::{Paint, SEEN};
 use super::path::{ellipse, path_data, points, rectangle};

@@ -113,7 +113,7 @@ impl Style {
                 "inherit" | "unset" | "revert" | "" => {}
                 "initial" => style.set(name, initial(name), view).unwrap_or_default(),
                 value => style
-                    .set(name, value, view)
+                    .set(name, &keyword(name, value), view)
                     .ok_or_else(|| (name, given.to_owned()))?,
             }
         }
@@ -183,6 +183,14 @@ impl Style {
             _ => return None,
         }
         Some(())
+    }
+}
+
+/// Value with its words in small letters, where it has no names of its own.
+fn keyword<'v>(name: &str, value: &'v str) -> Cow<'v, str> {
+    match name.starts_with("marker") || name == "fill" || name == "stroke" {
+        true => Cow::Borrowed(value),
+        false => Cow::Owned(value.to_ascii_lowercase()),
     }
 }
 

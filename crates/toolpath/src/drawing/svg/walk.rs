@@ -11,13 +11,12 @@ use kurbo::Affine;
 use roxmltree::Document;
 use std::cell::Cell;
 use std::collections::HashMap;
-use std::rc::Rc;
 
 /// Most elements within each other.
-const DEPTH_MAX: u32 = 200;
+pub(super) const DEPTH_MAX: u32 = 200;
 
 /// Elements that are no drawing themselves: others draw by them, or nobody does.
-const UNDRAWN: [&str; 37] = [
+pub(super) const UNDRAWN: [&str; 37] = [
     "defs",
     "title",
     "desc",
@@ -154,7 +153,7 @@ impl<'d> Walk<'d> {
         let root = self.document.root_element();
         let declared = self.sheet.of(root);
         let first = State::first(map, self.root_view()?);
-        if self.is_left_out(root, &declared) {
+        if self.is_left_out(&declared, &first.style) {
             return Ok(());
         }
         match self.state(&declared, &first)? {
@@ -176,8 +175,11 @@ impl<'d> Walk<'d> {
     }
 
     /// Returns true for an element that is left out with all that is in it.
-    fn is_left_out(&self, node: XmlNode<'d, 'd>, declared: &Declared<'d>) -> bool {
-        declared.get("display") == Some("none") || !conditions(node)
+    pub(super) fn is_left_out(&self, declared: &Declared<'d>, above: &Style) -> bool {
+        let display = declared.get("display");
+        let display = display.and_then(|value| above.value(value));
+        display.is_some_and(|value| value.trim().eq_ignore_ascii_case("none"))
+            || !conditions(declared.node)
     }
 
     /// Figures of an element in one of the state `above`.
@@ -192,7 +194,7 @@ impl<'d> Walk<'d> {
             return Ok(());
         }
         let declared = self.sheet.of(node);
-        if self.is_left_out(node, &declared) {
+        if self.is_left_out(&declared, &above.style) {
             return Ok(());
         }
         if !above.copies.is_empty() {
@@ -260,140 +262,6 @@ impl<'d> Walk<'d> {
             }
             _ => self.refuse(declared, state),
         }
-    }
-
-    /// Figures of the element that a `use` names.
-    fn copy(
-        &self,
-        declared: &Declared<'d>,
-        state: &State<'d>,
-        sink: Sink,
-    ) -> Result<(), PathFault> {
-        let node = declared.node;
-        let Some(link) = link_of(node) else {
-            return Ok(());
-        };
-        let Some(id) = link.strip_prefix('#') else {
-            let reason =
-                format!("it draws from another file, {link:.60}; put the shapes into this one");
-            return Err(self.fault(node, reason));
-        };
-        let target = self.named(id).ok_or_else(|| {
-            self.fault(
-                node,
-                format!("it draws #{id:.60}, which the file does not have; remove it"),
-            )
-        })?;
-        // An element that holds itself is drawn by nobody.
-        let holds_itself = node.ancestors().any(|above| above == target);
-        if holds_itself || state.copies.contains(&target.id()) {
-            return Ok(());
-        }
-        let at = [("x", super::values::Axis::X), ("y", super::values::Axis::Y)];
-        let [x, y] = [
-            self.length(declared, state, at[0], 0.0)?,
-            self.length(declared, state, at[1], 0.0)?,
-        ];
-        let mut copies = Vec::clone(&state.copies);
-        copies.push(target.id());
-        let context = match state.mode {
-            Mode::Draw => Some(Rc::new(self.inks(state, None)?)),
-            _ => None,
-        };
-        let inner = State {
-            map: state.map * Affine::translate((x, y)),
-            copies: Rc::new(copies),
-            style: Rc::new(Style {
-                context,
-                ..Style::clone(&state.style)
-            }),
-            depth: state.depth + 1,
-            ..state.clone()
-        };
-        match target.tag_name().name() {
-            "symbol" | "svg" if self.is_svg(target) => {
-                let own = self.sheet.of(target);
-                if own.get("display") == Some("none") && target.tag_name().name() == "svg" {
-                    return Ok(());
-                }
-                match self.state(&own, &inner)? {
-                    Some(state) => self.inner_svg(&own, Some(declared), &state, sink),
-                    None => Ok(()),
-                }
-            }
-            _ => self.element(target, &inner, sink),
-        }
-    }
-
-    /// Refuses an element that is seen, and has no outline.
-    fn refuse(&self, declared: &Declared<'d>, state: &State<'d>) -> Result<(), PathFault> {
-        let node = declared.node;
-        let size = |name, axis| self.length(declared, state, (name, axis), 1.0);
-        let has_size = || -> Result<bool, PathFault> {
-            use super::values::Axis;
-            Ok(size("width", Axis::X)? > 0.0 && size("height", Axis::Y)? > 0.0)
-        };
-        let is_visible = state.style.is_visible;
-        let (is_seen, reason) = match node.tag_name().name() {
-            "text" | "flowRoot" => (
-                state.mode == Mode::Clip && is_visible || self.has_letters(node, state)?,
-                "text has no outline; convert it to paths (Inkscape: Path, Object to Path)",
-            ),
-            "image" => (
-                is_visible && link_of(node).is_some_and(|link| !link.is_empty()) && has_size()?,
-                "an image has no outline; trace it to paths (Inkscape: Path, Trace Bitmap)",
-            ),
-            "foreignObject" => (
-                has_size()?
-                    && (node.descendants().skip(1).any(|part| {
-                        let is_blank = part.text().is_none_or(|text| text.trim().is_empty());
-                        part.is_element() || part.is_text() && !is_blank
-                    })),
-                "foreign objects are no drawing; leave them out",
-            ),
-            _ => (
-                true,
-                "the element is not known; leave it out, or convert it to paths",
-            ),
-        };
-        // In the size of a group, what nobody sees counts for nothing.
-        match is_seen && state.mode != Mode::Bounds {
-            true => Err(self.fault(node, reason.into())),
-            false => Ok(()),
-        }
-    }
-
-    /// Returns true if text is seen: it has letters, and a fill or a stroke.
-    fn has_letters(&self, node: XmlNode<'d, 'd>, state: &State<'d>) -> Result<bool, PathFault> {
-        for child in node.children() {
-            if child.is_text() {
-                let is_blank = child.text().is_none_or(|text| text.trim().is_empty());
-                if !is_blank && state.style.font_px > 0.0 && self.inks(state, None)? != [None, None]
-                {
-                    return Ok(true);
-                }
-            }
-            let undrawn =
-                UNDRAWN.contains(&child.tag_name().name()) && child.tag_name().name() != "tref";
-            if !self.is_svg(child) || undrawn || state.depth > DEPTH_MAX {
-                continue;
-            }
-            let declared = self.sheet.of(child);
-            if self.is_left_out(child, &declared) {
-                continue;
-            }
-            let style = self.within(&state.style, &declared, state.view)?;
-            let inner = State {
-                alpha: state.alpha * self.opacity(&declared, &style)?,
-                style: Rc::new(style),
-                depth: state.depth + 1,
-                ..state.clone()
-            };
-            if self.has_letters(child, &inner)? {
-                return Ok(true);
-            }
-        }
-        Ok(false)
     }
 }
 
