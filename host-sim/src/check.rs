@@ -10,6 +10,7 @@ use trirrr_figures::document::{Document, Facts};
 use trirrr_scene::words::{counted, tick_time};
 use trirrr_scene::{Autonomous, Scene};
 use trirrr_service::features::{FOREVER, JobStart};
+use trirrr_toolpath::PathRemark;
 
 /// `trirrr check`.
 ///
@@ -46,14 +47,19 @@ pub fn command(args: &CheckArgs) -> Result<(), CliError> {
         LongMoves::InFile,
         args.figure.as_deref(),
     )?;
-    job.warn_of_pauses();
-    let LoadedJob { scene, pauses, .. } = job;
+    job.warn();
+    let LoadedJob {
+        scene,
+        pauses,
+        remarks,
+        ..
+    } = job;
     trirrr_image::ram::check_board(&scene)
         .map_err(|why| CliError::Refused(format!("{}: {why}", args.scene.display())))?;
-    show(&document(&scene, &pauses), args.json)
+    show(&document(&scene, &pauses, &remarks), args.json)
 }
 
-fn document(scene: &Scene, pauses: &[u32]) -> Document {
+fn document(scene: &Scene, pauses: &[u32], remarks: &[PathRemark]) -> Document {
     let moves = scene.job.count();
     let (duration_s, ticks, rate) = (scene.duration_s(), scene.ticks(), scene.tick_rate_hz);
     let job = format!(
@@ -85,6 +91,13 @@ fn document(scene: &Scene, pauses: &[u32]) -> Document {
             .data("longest_stop_s", longest.map(|longest| longest.time_s))
             .data("longest_stop_m", longest.map(|longest| longest.way_m))
             .data("pauses", pauses)
+            .data(
+                "remarks",
+                remarks
+                    .iter()
+                    .map(PathRemark::to_string)
+                    .collect::<Vec<_>>(),
+            )
             .data("warning", scene.limits_warning()),
     );
     document

@@ -71,8 +71,27 @@ impl Cli {
     pub fn read_from(
         words: impl IntoIterator<Item = impl Into<OsString> + Clone>,
     ) -> Result<Self, clap::Error> {
-        Self::from_arg_matches(&Self::syntax().try_get_matches_from(words)?)
+        Self::from_arg_matches(&Self::syntax().try_get_matches_from(with_height(words))?)
     }
+}
+
+/// Words of a command line, in which `--tool-by-z` without a number behind it has 0: what follows is no height.
+fn with_height(words: impl IntoIterator<Item = impl Into<OsString>>) -> Vec<OsString> {
+    let mut words: Vec<OsString> = words.into_iter().map(Into::into).collect();
+    let is_height = |word: &OsString| {
+        let text = word.to_str().unwrap_or_default();
+        let has_digit = text.contains(|c: char| c.is_ascii_digit());
+        has_digit
+            && text
+                .chars()
+                .all(|c| c.is_ascii_digit() || "+-.,".contains(c))
+    };
+    for index in 0..words.len() {
+        if words[index] == "--tool-by-z" && !words.get(index + 1).is_some_and(is_height) {
+            words[index] = "--tool-by-z=0".into();
+        }
+    }
+    words
 }
 
 fn with_signed_values(command: clap::Command) -> clap::Command {
@@ -185,6 +204,42 @@ mod tests {
     #[test]
     fn the_command_line_is_consistent() {
         Cli::syntax().debug_assert();
+    }
+
+    /// A height follows `--tool-by-z`, or anything else does.
+    #[test]
+    fn the_height_of_the_tool_is_0_where_none_is_given() {
+        let height = |words: &[&str]| {
+            let all = ["trirrr", "check", "--machine", "m.toml"]
+                .iter()
+                .chain(words);
+            match Cli::read_from(all).map(|cli| cli.command) {
+                Ok(Some(Command::Check(args))) => args.job.z.tool_by_z,
+                other => panic!("{words:?}: {other:?}"),
+            }
+        };
+        assert_eq!(height(&["a.nc"]), None);
+        for words in [
+            &["--tool-by-z", "3d.nc"][..],
+            &["a.nc", "--tool-by-z"],
+            &["a.nc", "--tool-by-z", "--json"],
+            &["a.nc", "--tool-by-z", "0"],
+        ] {
+            assert_eq!(height(words), Some(0.0), "{words:?}");
+        }
+        assert_eq!(height(&["a.nc", "--tool-by-z", "-0.5"]), Some(-0.5));
+        assert_eq!(height(&["--tool-by-z=2", "a.nc"]), Some(2.0));
+        let comma = [
+            "trirrr",
+            "check",
+            "a.nc",
+            "--machine",
+            "m.toml",
+            "--tool-by-z",
+            "0,5",
+        ];
+        let refused = Cli::read_from(comma).unwrap_err().to_string();
+        assert!(refused.contains("decimal point"), "{refused}");
     }
 
     #[test]

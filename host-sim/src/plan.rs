@@ -63,7 +63,7 @@ const FILES: [&str; 4] = ["plan.csv", "moves.csv", "levels.csv", "plan.svg"];
 pub fn command(args: &PlanArgs) -> Result<(), CliError> {
     args.pictures.require()?;
     let job = job_file::load(&args.scene, &args.job, LongMoves::InMemory)?;
-    job.warn_of_pauses();
+    job.warn();
     let LoadedJob { scene, .. } = job;
     let name = args.scene.display();
     let folder = match &args.out {

@@ -8,7 +8,8 @@ use trirrr_jobs::{
 use trirrr_plan::piece::Piece;
 use trirrr_scene::{JobPath, Scene};
 use trirrr_toolpath::drawing::FlatDrawing;
-use trirrr_toolpath::{PathFault, ToolPlace};
+use trirrr_toolpath::gcode::ZWords;
+use trirrr_toolpath::{PathFault, PathRemark, ToolPlace};
 use wasm_bindgen::prelude::wasm_bindgen;
 
 /// Most points along a piece of a path that is drawn, and on all pieces of a long one.
@@ -27,6 +28,10 @@ pub struct JobInputs {
     pub alpha_deg: f64,
     /// Distance by which a corner may be rounded, mm. None: 0.01.
     pub corner_mm: Option<f64>,
+    /// G-code: the tool is on at this height of the file and below, mm. None: Z is no tool.
+    pub tool_by_z_mm: Option<f64>,
+    /// G-code: words of Z are left out.
+    pub ignore_z: bool,
     /// Drawing: speed along strokes, mm/min.
     pub speed_mm_min: Option<f64>,
     /// Drawing: power along strokes, 0 to 1. None: 1.
@@ -35,6 +40,8 @@ pub struct JobInputs {
     pub scale: Option<f64>,
     /// Drawing: distance of the lines that fill areas, mm.
     pub hatch_mm: Option<f64>,
+    /// Drawing: lines and curves that lie on others are left out.
+    pub drop_doubles: bool,
     /// Drawing: it goes where the machine has the most room, in place of the zero point.
     pub fit: bool,
 }
@@ -83,6 +90,13 @@ impl JobInputs {
         };
         Ok(JobOptions {
             origin,
+            z: match self.tool_by_z_mm {
+                Some(height) => ZWords::Tool {
+                    on_at_m: 1e-3 * place("--tool-by-z", height)?,
+                },
+                None if self.ignore_z => ZWords::Ignored,
+                None => ZWords::Refused,
+            },
             corner_m: corner.map_or(default.corner_m, |corner| 1e-3 * corner),
             drawing: DrawingOptions {
                 speed_m_s: factor("--speed", self.speed_mm_min)?.map(|speed| 1e-3 * speed / 60.0),
@@ -90,6 +104,7 @@ impl JobInputs {
                 scale: factor("--scale", self.scale)?,
                 hatch_m: factor("--hatch", self.hatch_mm)?.map(|pitch| 1e-3 * pitch),
                 fit: self.fit,
+                drop_doubles: self.drop_doubles,
                 ..DrawingOptions::default()
             },
             ..default
@@ -153,10 +168,13 @@ fn plan(
     let mut drawn = DrawnPath {
         points: points(&read.path, &machine.job.start),
         breach: None,
-        notes: notes(&read),
+        notes: Vec::new(),
     };
     match scene.take_path(&read.path) {
-        Ok(()) => Reading::of_job(scene, drawn),
+        Ok(()) => {
+            drawn.notes = notes(&read, &scene);
+            Reading::of_job(scene, drawn)
+        }
         Err(error) => {
             drawn.breach = breach(&error);
             refused(read.places.refusal(&error), drawn)
@@ -193,14 +211,16 @@ pub fn is_drawing(file: &str) -> bool {
     file.ends_with(".svg") || file.ends_with(".svgz")
 }
 
-fn notes(read: &ReadJob) -> Vec<String> {
+fn notes(read: &ReadJob, scene: &Scene) -> Vec<String> {
+    let remarks = read.watch.remarks(scene);
     let fitted = read.fitted.map(|fitted| format!("--fit: as {fitted}"));
     let pauses = read.pauses.iter().map(|line| {
         format!(
             "line {line} waits for the user or an input; here the motion stops there and goes on"
         )
     });
-    fitted.into_iter().chain(pauses).collect()
+    let remarks = remarks.iter().map(PathRemark::to_string);
+    fitted.into_iter().chain(remarks).chain(pauses).collect()
 }
 
 /// Points along a path that begins at `start`.

@@ -95,11 +95,23 @@ fn places(table: &CellTable) -> Result<ColumnPlaces, ColumnFault> {
                 .iter()
                 .any(|one| one.names.contains(&name.as_str()))
     };
-    if let Some(unknown) = table.names.iter().find(|name| !is_known(name)) {
+    let unknown: Vec<&str> = table
+        .names
+        .iter()
+        .filter(|name| !is_known(name))
+        .map(String::as_str)
+        .collect();
+    if let [first, others @ ..] = &unknown[..] {
         let known = QUANTITIES.map(|one| one.names.join(" or ")).join(", ");
+        let others = match others {
+            [] => String::new(),
+            others => format!(", and so are {}", others.join(", ")),
+        };
         return Err(ColumnFault::of_column(
-            unknown,
-            format!("not known; a column is one of {known}, {NOTE}"),
+            first,
+            format!(
+                "not known{others}; a column is one of {known}; `{NOTE}` is the one column for words of your own: take others out"
+            ),
         ));
     }
     let mut places = ColumnPlaces::default();

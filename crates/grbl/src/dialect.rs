@@ -378,7 +378,7 @@ fn interpreter(settings: &Settings, start: ToolPlace) -> Interpreter {
         start,
         home: Some(start),
         full_power: settings.full_power,
-        ignore_z: facts.ignore_z,
+        z: facts.z,
         outputs: facts.outputs,
         inputs: facts.inputs,
         ..GcodeSetup::default()

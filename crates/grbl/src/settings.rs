@@ -2,6 +2,7 @@
 
 use crate::fault;
 use std::fmt::Write as _;
+use trirrr_toolpath::gcode::ZWords;
 
 /// Facts about the machine that settings tell.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,8 +15,8 @@ pub struct MachineFacts {
     pub has_homing: bool,
     /// Motions that wait at most, as `Bf` counts them.
     pub motions: usize,
-    /// Z words have no effect; otherwise they are refused.
-    pub ignore_z: bool,
+    /// Sense of words of Z.
+    pub z: ZWords,
     /// Outputs that M62 to M65 switch, at most 8. Their numbers begin at 0.
     pub outputs: u8,
     /// Inputs that M66 waits for, at most 8. Their numbers begin at 0.

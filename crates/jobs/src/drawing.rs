@@ -3,8 +3,9 @@
 use crate::fit::{Fitted, fit};
 use crate::options::DrawingOptions;
 use trirrr_scene::Scene;
+use trirrr_scene::words::six_digits;
 use trirrr_toolpath::drawing::{Drawing, DrawingSetup};
-use trirrr_toolpath::{PathFault, ToolPlace};
+use trirrr_toolpath::{PathFault, PathRemark, ToolPlace};
 
 /// Drawing of a file, and its place on a machine.
 pub struct PlacedDrawing {
@@ -14,6 +15,36 @@ pub struct PlacedDrawing {
     pub setup: DrawingSetup,
     /// Place that was found for it.
     pub fitted: Option<Fitted>,
+}
+
+impl PlacedDrawing {
+    /// Size and place of the drawing on the machine, in words.
+    pub fn extent(&self) -> Option<String> {
+        let [low, high] = self.drawing.bounds_m()?;
+        let [x, y] = self.setup.origin.position_m;
+        let scale = self.setup.scale;
+        let on_machine = |[u, v]: [f64; 2]| [x + scale * u, y + scale * v];
+        let mm = |metres: f64| six_digits(1e3 * metres);
+        let [[left, lower], [right, upper]] = [on_machine(low), on_machine(high)];
+        let hint = match self.fitted {
+            Some(_) => "",
+            None => "; --fit finds it a place and a size",
+        };
+        Some(format!(
+            "the drawing is {} by {} mm on the machine, from {},{} to {},{}{hint}",
+            mm(right - left),
+            mm(upper - lower),
+            mm(left),
+            mm(lower),
+            mm(right),
+            mm(upper)
+        ))
+    }
+}
+
+fn counted(count: usize, one: &str, more: &str) -> String {
+    let thing = if count == 1 { one } else { more };
+    format!("{count} {thing}")
 }
 
 fn fault(reason: String) -> PathFault {
@@ -51,6 +82,19 @@ pub fn place(
     drawing.leave_out(&setup);
     if drawing.strokes.is_empty() {
         return Err(fault("every stroke is left out".into()));
+    }
+    if let Some((count, place)) = drawing.doubles(options.drop_doubles) {
+        let lines = counted(count, "line or curve", "lines and curves");
+        let (verb, rest) = match (count, options.drop_doubles) {
+            (1, false) => ("lies", "and is drawn again: --drop-doubles leaves it out"),
+            (1, true) => ("lies", "and is left out"),
+            (_, false) => ("lie", "and are drawn again: --drop-doubles leaves them out"),
+            (_, true) => ("lie", "and are left out"),
+        };
+        let text = format!(
+            "{lines} {verb} on others of the same layer and colour, the first of {place}, {rest}"
+        );
+        drawing.remarks.push(PathRemark::new(0, text));
     }
     let mut fitted = None;
     if options.fit {

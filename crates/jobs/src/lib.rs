@@ -12,6 +12,7 @@ mod options;
 mod path;
 mod places;
 mod read;
+mod remarks;
 
 pub use drawing::{PlacedDrawing, place};
 pub use fit::{Fitted, fit};
@@ -25,3 +26,4 @@ pub use read::{
     ReadJob, drawing_job, element_job, finish_job, gcode_job, gcode_setup, job_scene,
     level_origin_m, table_job,
 };
+pub use remarks::JobWatch;

@@ -1,6 +1,7 @@
 //! Options of a job: what its file leaves open.
 
 use trirrr_toolpath::drawing::{Pen, PenKey};
+use trirrr_toolpath::gcode::ZWords;
 use trirrr_toolpath::{ToolPlace, ToolWork};
 
 /// Zero point of a file, its corners, and what it leaves open. SI units.
@@ -12,8 +13,8 @@ pub struct JobOptions {
     pub corner_m: f64,
     /// S for the full power of the tool.
     pub full_power: f64,
-    /// Words of Z are left out.
-    pub ignore_z: bool,
+    /// Sense of words of Z.
+    pub z: ZWords,
     /// The file is played so many times, one after the other; at least once.
     pub repeat: u32,
     /// Speed, pens and size of a drawing; speed of a table.
@@ -26,7 +27,7 @@ impl Default for JobOptions {
             origin: ToolPlace::default(),
             corner_m: 1e-5,
             full_power: 1000.0,
-            ignore_z: false,
+            z: ZWords::Refused,
             repeat: 1,
             drawing: DrawingOptions::default(),
         }
@@ -50,6 +51,8 @@ pub struct DrawingOptions {
     pub scale: Option<f64>,
     /// The drawing goes where the machine has the most room for its shape, and is made smaller where it does not fit.
     pub fit: bool,
+    /// Lines and curves that lie on others of their layer and colour are left out.
+    pub drop_doubles: bool,
 }
 
 impl DrawingOptions {

@@ -1,5 +1,6 @@
 //! Elements of a tool path as the path of a job.
 
+use crate::remarks::JobWatch;
 use nalgebra::Vector2;
 use trirrr_core::setpoint::Pose;
 use trirrr_plan::corner::round_corners;
@@ -56,6 +57,8 @@ pub struct PathReader {
     waiting: Option<OutputBits>,
     /// Lines at which the job waits, for the user or for an input.
     pub pauses: Vec<u32>,
+    /// Watch for what was hardly meant.
+    pub watch: JobWatch,
 }
 
 impl PathReader {
@@ -72,6 +75,7 @@ impl PathReader {
             sources: 0,
             waiting: None,
             pauses: Vec::new(),
+            watch: JobWatch::new(start.position.into()),
         }
     }
 
@@ -85,6 +89,7 @@ impl PathReader {
         offset: usize,
         sink: &mut impl PathSink,
     ) -> Result<(), PathFault> {
+        self.watch.push(element);
         let source = offset + element.line.saturating_sub(1) as usize;
         match &element.act {
             Act::Motion(motion) => {

@@ -1,9 +1,9 @@
 //! Places in the file of a job of what is refused.
 
+use crate::drawing::PlacedDrawing;
 use std::fmt;
 use trirrr_scene::Unplanned;
 use trirrr_toolpath::PathFault;
-use trirrr_toolpath::drawing::{Drawing, DrawingSetup};
 
 /// Places in the file of the elements of a path.
 pub struct ElementPlaces {
@@ -19,8 +19,8 @@ pub struct ElementPlaces {
 pub enum PlacesIn {
     /// Lines of a text.
     Lines,
-    /// Shapes of a drawing, and its place on the machine.
-    Drawing(Drawing, DrawingSetup),
+    /// Shapes of a drawing.
+    Drawing(Box<PlacedDrawing>),
     /// Rows of an image, or whatever has names of its own for its elements.
     Named(Box<dyn Fn(u32) -> String>),
 }
@@ -31,7 +31,7 @@ impl ElementPlaces {
         let behind = number.saturating_sub(1);
         let (pass, number) = (behind / self.pass + 1, behind % self.pass + 1);
         let place = match &self.places {
-            PlacesIn::Drawing(drawing, _) => format!(" {}", drawing.place_of(number)),
+            PlacesIn::Drawing(placed) => format!(" {}", placed.drawing.place_of(number)),
             PlacesIn::Named(name) => format!(" {}", name(number)),
             PlacesIn::Lines => number.to_string(),
         };
@@ -53,31 +53,17 @@ impl ElementPlaces {
     pub fn refusal(&self, error: &Unplanned) -> JobRefusal {
         let number = number(error).map(|number| number + 1);
         let place = number.map(|number| self.of(number) + ":");
-        let size = match breach(error) {
-            Some(_) => self.size(),
-            None => String::new(),
+        // The size tells a wrong unit, whatever the place.
+        let size = match (&self.places, breach(error)) {
+            (PlacesIn::Drawing(placed), Some(_)) => placed.extent(),
+            _ => None,
         };
+        let size = size.map_or(String::new(), |size| format!(" {size};"));
         JobRefusal {
             line: number.and_then(|number| self.line(number)),
             text: format!("{size}{} {error}", place.unwrap_or_default()),
             reason: error.to_string(),
         }
-    }
-
-    /// Size and place of a drawing on the machine: where it does not fit, its unit is often another one than was meant.
-    fn size(&self) -> String {
-        let PlacesIn::Drawing(drawing, setup) = &self.places else {
-            return String::new();
-        };
-        let Some([low, high]) = drawing.bounds_m() else {
-            return String::new();
-        };
-        let scale = 1e3 * setup.scale;
-        let [width, height] = [0, 1].map(|axis| scale * (high[axis] - low[axis]));
-        let [x, y] = [0, 1].map(|axis| 1e3 * setup.origin.position_m[axis] + scale * low[axis]);
-        format!(
-            " the drawing is {width:.1} by {height:.1} mm on the machine, with its lower left corner at {x:.1},{y:.1} (--fit, --scale and --origin place it):"
-        )
     }
 }
 

@@ -1,10 +1,11 @@
 //! Texts of files, to the path of a job on a machine.
 
-use crate::drawing::{PlacedDrawing, place};
+use crate::drawing::place;
 use crate::fit::Fitted;
 use crate::options::JobOptions;
 use crate::path::PathBuilder;
 use crate::places::{ElementPlaces, JobRefusal, PlacesIn};
+use crate::remarks::JobWatch;
 use std::io::BufRead;
 use std::path::Path;
 use trirrr_scene::{JobPath, Scene};
@@ -22,6 +23,8 @@ pub struct ReadJob {
     pub path: JobPath,
     /// Lines at which the job waits, for the user or for an input.
     pub pauses: Vec<u32>,
+    /// Watch for what was hardly meant.
+    pub watch: JobWatch,
     /// Places of its elements.
     pub places: ElementPlaces,
     /// Place that was found for it.
@@ -62,6 +65,7 @@ pub fn gcode_job(
     for element in elements.by_ref() {
         builder.push(&element?)?;
     }
+    builder.reader.watch.program(elements.remarks());
     let blend_m = elements.interpreter().modal().blend_m;
     let corner_m = blend_m.unwrap_or(options.corner_m);
     finish_job(builder, corner_m, options.repeat, PlacesIn::Lines)
@@ -79,7 +83,7 @@ pub fn gcode_setup(machine: &Scene, options: &JobOptions) -> GcodeSetup {
         origins: [options.origin; 6],
         full_power: options.full_power,
         home: Some(start),
-        ignore_z: options.ignore_z,
+        z: options.z,
         // At most eight.
         outputs: machine.spare_pins.outputs.len() as u8,
         inputs: machine.spare_pins.inputs.len() as u8,
@@ -114,13 +118,13 @@ pub fn drawing_job(
     machine: &Scene,
     options: &JobOptions,
 ) -> Result<ReadJob, PathFault> {
-    let PlacedDrawing {
-        drawing,
-        setup,
-        fitted,
-    } = place(drawing, machine, level_origin_m(options)?, &options.drawing)?;
-    let elements = drawing.elements(&setup);
-    let job = element_job(&elements, machine, options, PlacesIn::Drawing(drawing, setup))?;
+    let origin_m = level_origin_m(options)?;
+    let mut placed = place(drawing, machine, origin_m, &options.drawing)?;
+    let elements = placed.drawing.elements(&placed.setup);
+    let (fitted, remarks) = (placed.fitted, std::mem::take(&mut placed.drawing.remarks));
+    let places = PlacesIn::Drawing(Box::new(placed));
+    let mut job = element_job(&elements, machine, options, places)?;
+    job.watch.say(remarks);
     Ok(ReadJob { fitted, ..job })
 }
 
@@ -153,8 +157,11 @@ pub fn finish_job(
 ) -> Result<ReadJob, PathFault> {
     let pass = builder.reader.pass();
     builder.repeat(repeat)?;
+    let mut watch = std::mem::take(&mut builder.reader.watch);
+    watch.repeats(repeat);
     Ok(ReadJob {
         pauses: std::mem::take(&mut builder.reader.pauses),
+        watch,
         path: builder.finish(corner_m)?,
         places: ElementPlaces {
             places,

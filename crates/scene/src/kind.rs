@@ -90,7 +90,7 @@ pub(crate) fn refuse_redundant(root: &Section) -> Option<()> {
     let kind = read_kind(root)?;
     if kind.is_redundant() {
         let reason = "is a redundant machine: `trirrr run` and `trirrr check` play and check its job; \
-                      boards, streams, planning and designs are for a 3-RRR";
+                      boards, streams, planning, designs, calibration and identification are for a 3-RRR";
         root.refuse(KIND, reason);
         root.ignore_rest();
         return None;

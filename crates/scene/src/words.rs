@@ -190,6 +190,11 @@ pub fn rounded_up(value: f64, digits: i32) -> f64 {
     }
 }
 
+/// A value as people read it: six significant digits at most.
+pub fn six_digits(value: f64) -> String {
+    rounded(value, 6)
+}
+
 fn rounded(value: f64, digits: usize) -> String {
     let decimals = digits.saturating_sub(1);
     let rounded: f64 = format!("{value:.decimals$e}").parse().unwrap_or(value);

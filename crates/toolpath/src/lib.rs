@@ -177,3 +177,19 @@ fn list(line: u32, word: &str, reason: &str) -> impl fmt::Display {
     };
     format!("{place}{word}{reason}")
 }
+
+/// Text of at most 40 characters. A control character would disturb the terminal.
+pub(crate) fn short(text: &str) -> String {
+    const MOST: usize = 40;
+    let more = if text.chars().nth(MOST).is_some() {
+        "..."
+    } else {
+        ""
+    };
+    let seen = |c: char| if c.is_control() { '\u{fffd}' } else { c };
+    text.chars()
+        .take(MOST)
+        .map(seen)
+        .chain(more.chars())
+        .collect()
+}

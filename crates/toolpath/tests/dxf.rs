@@ -2,7 +2,9 @@
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use trirrr_toolpath::PathFault;
-use trirrr_toolpath::drawing::{Drawing, DrawingSetup, Pen, PenKey, Stroke, StrokeCurve, read_dxf};
+use trirrr_toolpath::drawing::{
+    Drawing, DrawingSetup, DxfChoices, Pen, PenKey, Stroke, StrokeCurve, read_dxf,
+};
 use trirrr_toolpath::{ToolPlace, ToolWork};
 
 /// Lines of a file from pairs in one text: codes and values, separated by blanks.
@@ -23,7 +25,20 @@ fn file(blocks: &str, entities: &str) -> String {
 }
 
 fn read(text: &str) -> Result<Drawing, PathFault> {
-    read_dxf(text.as_bytes(), |layer| layer == "left_out")
+    read_dxf(text.as_bytes(), &left_out())
+}
+
+fn left_out() -> DxfChoices {
+    DxfChoices {
+        layers: vec!["left_out".into()],
+        ..DxfChoices::default()
+    }
+}
+
+/// Texts of the remarks, with their lines.
+fn remarks(drawing: &Drawing) -> String {
+    let texts = drawing.remarks.iter().map(ToString::to_string);
+    texts.collect::<Vec<_>>().join("; ")
 }
 
 fn drawing(entities: &str) -> Drawing {
@@ -288,13 +303,8 @@ fn what_is_hidden_is_left_out_and_what_cannot_be_drawn_is_refused() {
             "tilted",
         ),
         ("0 INSERT 8 0 2 none", "INSERT", "no block \"none\""),
-        ("0 LINE 8 0 10 0 20 0 11 1e9 21 0", "LINE", "beyond"),
+        ("0 LINE 8 0 10 0 20 0 11 1e99 21 0", "LINE", "beyond"),
         ("0 LINE 8 0 10 nan 20 0 11 1 21 0", "LINE", "no number"),
-        (
-            "0 SPLINE 8 0 71 3 11 0 21 0 31 0 11 1 21 0 31 0",
-            "SPLINE",
-            "fit points",
-        ),
         ("0 SPLINE 8 0 71 3 10 0 20 0 30 0", "SPLINE", "no spline"),
         ("", "", "nothing in the file is drawn"),
         (
@@ -382,4 +392,341 @@ fn damaged_files_give_a_drawing_or_a_fault() {
         }
     }
     assert!(drawn > 100, "{drawn}");
+}
+
+/// Layers that are frozen are not drawn; their names have letters of any case.
+#[test]
+fn frozen_layers_are_left_out() {
+    for (flags, drawn) in [
+        (0, 2),
+        (1, 1),
+        (2, 2),
+        (3, 1),
+        (4, 2),
+        (5, 1),
+        (64, 2),
+        (65, 1),
+    ] {
+        let lines = "0 LINE 8 cut 10 0 20 0 11 1 21 0 0 LINE 8 Notes 10 0 20 5 11 1 21 5";
+        let text = file("", lines).replace(
+            "notes\n70\n0\n62\n-5",
+            &format!("notes\n70\n{flags}\n62\n5"),
+        );
+        assert_eq!(
+            read(&text).expect("a drawing").strokes.len(),
+            drawn,
+            "{flags}"
+        );
+    }
+    // In blocks, too.
+    let block = "0 BLOCK 8 0 2 part 70 0 10 0 20 0 0 LINE 8 CUT 10 0 20 0 11 9 21 0 0 ENDBLK 8 0";
+    let text = file(block, "0 INSERT 8 0 2 PART 0 LINE 8 0 10 0 20 5 11 1 21 5");
+    assert_eq!(read(&text).expect("both").strokes.len(), 2);
+    let frozen = text.replace("cut\n70\n0", "cut\n70\n1");
+    assert_eq!(read(&frozen).expect("one").strokes.len(), 1);
+}
+
+/// Entities that do not lie at one height are refused with their line; a height as a whole has no effect.
+#[test]
+fn entities_out_of_the_plane_are_refused() {
+    for entity in [
+        "LINE 8 0 10 0 20 0 30 0 11 30 21 0 31 40",
+        "LINE 8 0 10 0 20 0 30 0 11 0 21 0 31 40",
+        "LINE 8 0 10 0 20 0 30 5 11 30 21 0",
+        "POLYLINE 8 0 66 1 70 8 0 VERTEX 8 0 10 0 20 0 30 0 70 32 0 VERTEX 8 0 10 9 20 0 30 2 70 32 0 SEQEND 8 0",
+        "ELLIPSE 8 0 10 0 20 0 11 9 21 0 31 1 40 0.5 41 0 42 6",
+        "SOLID 8 0 10 0 20 0 30 0 11 9 21 0 31 0 12 0 22 9 32 4 13 9 23 9 33 4",
+        "SPLINE 8 0 70 8 71 1 72 4 73 2 40 0 40 0 40 1 40 1 10 0 20 0 30 0 10 9 20 0 30 9",
+        "SPLINE 8 0 70 8 71 3 74 3 11 0 21 0 31 0 11 9 21 0 31 9 11 9 21 9 31 0",
+        "LWPOLYLINE 8 0 90 2 70 0 210 1 220 0 230 1 10 0 20 0 10 9 20 0",
+    ] {
+        let fault = read(&file("", &format!("0 {entity}"))).expect_err(entity);
+        assert!(
+            fault.reason.contains("tilted") && fault.line > 50,
+            "{entity}: {fault}"
+        );
+        assert!(entity.starts_with(&fault.word), "{fault}");
+    }
+    for flat in [
+        "LINE 8 0 10 0 20 0 30 7 11 30 21 0 31 7",
+        "LINE 8 0 10 0 20 0 30 0 11 30 21 0 31 1e-6",
+        "POLYLINE 8 0 66 1 70 8 0 VERTEX 8 0 10 0 20 0 30 2 70 32 0 VERTEX 8 0 10 9 20 0 30 2 70 32 0 SEQEND 8 0",
+    ] {
+        assert_eq!(drawing(&format!("0 {flat}")).strokes.len(), 1);
+    }
+}
+
+/// The curve goes through its points with a curvature without steps: exact for parabolas of the chord, near a circle's points.
+#[test]
+fn splines_of_fit_points_go_through_them() {
+    for text in [
+        "0 SPLINE 8 0 70 8 71 3 74 3 11 0 21 0 31 0 11 25 21 20 31 0 11 50 21 0 31 0",
+        "0 SPLINE 8 0 70 8 71 3 72 0 73 0 74 3 11 0 21 0 11 25 21 20 11 50 21 0",
+    ] {
+        let found = drawing(text);
+        let stroke = only(&found);
+        assert_near(stroke.start, [0.0, 0.0], 1e-12);
+        assert_near(stroke.curves[0].end(), [0.025, 0.020], 1e-12);
+        assert_near(stroke.end(), [0.050, 0.0], 1e-12);
+        // Free ends and symmetry: the tangent is level in the middle.
+        let StrokeCurve::Bezier([_, inner, at]) = stroke.curves[0] else {
+            panic!("no curve")
+        };
+        assert!((inner[1] - at[1]).abs() < 1e-12);
+    }
+    // A closed curve through points of a circle stays near it, with and without its first point once more.
+    let points: Vec<String> = (0..16)
+        .map(|index| {
+            let (sin, cos) = (f64::from(index) * TAU / 16.0).sin_cos();
+            format!("11 {:.12} 21 {:.12} 31 0", 10.0 * cos, 10.0 * sin)
+        })
+        .collect();
+    for again in ["", points[0].as_str()] {
+        let found = drawing(&format!(
+            "0 SPLINE 8 0 70 11 71 3 74 16 {} {again}",
+            points.join(" ")
+        ));
+        let off = worst(only(&found), |x, y| x.hypot(y) - 10.0);
+        assert!(off < 3e-3, "{off}");
+        assert_near(only(&found).end(), [0.01, 0.0], 1e-12);
+    }
+    // Two points are a line; directions at the ends are kept.
+    let line = drawing("0 SPLINE 8 0 70 8 71 3 74 2 11 0 21 0 31 0 11 30 21 40 31 0");
+    assert!(worst(only(&line), |x, y| 0.8 * x - 0.6 * y) < 1e-15);
+    let bent = drawing(
+        "0 SPLINE 8 0 70 8 71 3 74 2 12 0 22 5 32 0 13 0 23 -2 33 0 11 0 21 0 31 0 11 30 21 0 31 0",
+    );
+    let StrokeCurve::Bezier([first, second, _]) = only(&bent).curves[0] else {
+        panic!("no curve")
+    };
+    assert_near(first, [0.0, 0.010], 1e-12);
+    assert_near(second, [0.030, 0.010], 1e-12);
+}
+
+#[test]
+fn splines_need_no_heights() {
+    let with = "0 SPLINE 8 0 70 8 71 2 72 6 73 3 40 0 40 0 40 0 40 1 40 1 40 1 10 0 20 0 30 0 10 5 20 9 30 0 10 9 20 0 30 0 0 LINE 8 0 10 0 20 20 11 9 21 20";
+    let without = with.replace(" 30 0", "");
+    assert_eq!(drawing(with).strokes, drawing(&without).strokes);
+    // Lines of refusals are those of the file.
+    let fault = read(&file("", &format!("{without} 0 WONDER 8 0"))).expect_err("a wonder");
+    let place = file("", &format!("{without} 0 WONDER 8 0"));
+    let line = place
+        .lines()
+        .position(|line| line == "WONDER")
+        .expect("there") as u32
+        + 1;
+    assert_eq!(fault.line, line);
+}
+
+/// Text, dimensions and the like beside lines are left out with a word, or without one on request.
+#[test]
+fn what_is_no_line_is_left_out_beside_lines() {
+    let line = "0 LINE 8 0 10 0 20 0 11 9 21 0";
+    for kind in [
+        "TEXT",
+        "MTEXT",
+        "POINT",
+        "DIMENSION",
+        "HATCH",
+        "3DFACE",
+        "REGION",
+        "XLINE",
+        "LEADER",
+    ] {
+        let text = file("", &format!("0 {kind} 8 0 {line} 0 {kind} 8 0"));
+        let found = read(&text).expect(kind);
+        assert_eq!(found.strokes.len(), 1);
+        let told = remarks(&found);
+        assert!(
+            told.starts_with("line 6") && told.contains(&format!("2 {kind}s are left out")),
+            "{told}"
+        );
+        assert!(
+            told.contains(&format!("--leave-out {}", kind.to_lowercase())),
+            "{told}"
+        );
+        let choices = DxfChoices {
+            kinds: vec![kind.to_lowercase()],
+            ..left_out()
+        };
+        assert_eq!(read_dxf(text.as_bytes(), &choices).expect(kind).remarks, []);
+        // Alone they are refused.
+        assert_eq!(
+            read(&file("", &format!("0 {kind} 8 0")))
+                .expect_err(kind)
+                .word,
+            kind
+        );
+    }
+    // What may be a line is refused, and left out on request; kinds that are drawn, too.
+    let text = file(
+        "",
+        &format!("{line} 0 WONDER 8 0 0 CIRCLE 8 0 10 0 20 0 40 1"),
+    );
+    assert_eq!(read(&text).expect_err("a wonder").word, "WONDER");
+    let choices = DxfChoices {
+        kinds: vec!["Wonder".into(), "circle".into()],
+        ..left_out()
+    };
+    assert_eq!(
+        read_dxf(text.as_bytes(), &choices)
+            .expect("a line")
+            .strokes
+            .len(),
+        1
+    );
+}
+
+#[test]
+fn line_types_and_lines_of_no_length_are_told() {
+    let entities = "0 LINE 8 0 6 DASHED 10 0 20 0 11 9 21 0 0 LINE 8 0 6 Continuous 10 0 20 1 11 9 21 1
+        0 LINE 8 cut 6 ByLayer 10 0 20 2 11 9 21 2 0 LINE 8 0 10 1 20 1 11 1 21 1 0 CIRCLE 8 0 10 0 20 0 40 0";
+    let told = remarks(&drawing(entities));
+    assert!(
+        told.contains("line type DASHED") && told.contains("1 stroke is"),
+        "{told}"
+    );
+    assert!(
+        told.contains("2 lines are of no length") || told.contains("2 lines are"),
+        "{told}"
+    );
+    let dashed = file("", entities).replace(
+        "cut\n70\n0\n62\n1\n6\nCONTINUOUS",
+        "cut\n70\n0\n62\n1\n6\nCENTER",
+    );
+    assert!(remarks(&read(&dashed).expect("a drawing")).contains("line type CENTER"));
+}
+
+/// Lines that lie on others are counted, and left out on request.
+#[test]
+fn doubles_are_counted_and_left_out() {
+    let line = "0 LINE 8 0 10 0 20 0 11 9 21 0";
+    let back = "0 LINE 8 0 10 9 20 0 11 0 21 0";
+    let box_of = |x: i32| {
+        let far = x + 10;
+        format!("0 LWPOLYLINE 8 0 90 4 70 1 10 {x} 20 0 10 {far} 20 0 10 {far} 20 10 10 {x} 20 10")
+    };
+    let sides = "0 LINE 8 0 10 0 20 0 11 9 21 0 0 LINE 8 0 10 9 20 0 11 9 21 9 0 LINE 8 0 10 9 20 9 11 0 21 0";
+    for (entities, count, way_mm) in [
+        (format!("{line} {line} {back}"), 2, 9.0),
+        (format!("{line} 0 LINE 8 cut 10 0 20 0 11 9 21 0"), 0, 18.0),
+        (format!("{sides} {sides}"), 3, 18.0 + 9.0 * 2f64.sqrt()),
+        // Two boxes with one edge in common.
+        (format!("{} {}", box_of(0), box_of(10)), 1, 70.0),
+        (
+            "0 CIRCLE 8 0 10 0 20 0 40 5 0 CIRCLE 8 0 10 0 20 0 40 5 0 CIRCLE 8 0 10 0 20 0 40 6"
+                .into(),
+            1,
+            22.0 * PI,
+        ),
+        (
+            "0 LINE 8 0 10 0 20 0 11 9 21 0 0 LINE 8 0 10 0 20 0.0005 11 9 21 0".into(),
+            1,
+            9.0,
+        ),
+        (
+            "0 LINE 8 0 10 0 20 0 11 9 21 0 0 LINE 8 0 10 0 20 0.002 11 9 21 0".into(),
+            0,
+            18.0,
+        ),
+    ] {
+        let length = |drawing: &Drawing| -> f64 {
+            let points = drawing.strokes.iter().map(|stroke| stroke.points(1e-9));
+            points
+                .map(|points| {
+                    points
+                        .windows(2)
+                        .map(|pair| (pair[0][0] - pair[1][0]).hypot(pair[0][1] - pair[1][1]))
+                        .sum::<f64>()
+                })
+                .sum()
+        };
+        let mut found = drawing(&entities);
+        let all = length(&found);
+        assert_eq!(
+            found.doubles(false).map_or(0, |(count, _)| count),
+            count,
+            "{entities}"
+        );
+        assert_eq!(length(&found), all);
+        found.doubles(true);
+        assert!(
+            (length(&found) - 1e-3 * way_mm).abs() < 1e-6,
+            "{entities}: {}",
+            length(&found)
+        );
+        assert_eq!(found.doubles(true), None);
+    }
+    // A doubled outline is an outline: its lines are joined, and it is filled.
+    let outline = format!("{sides} 0 LINE 8 0 10 0 20 0 11 0 21 9");
+    let mut found = drawing(&format!("{} {}", box_of(0), box_of(0)));
+    found.doubles(true);
+    found.fill(1e-3).expect("a fill");
+    assert!(found.strokes.len() > 9, "{outline}");
+}
+
+#[test]
+fn units_are_chosen_and_sizes_are_told() {
+    let line = file("", "0 LINE 8 0 10 0 20 0 11 3400 21 2100");
+    let in_unit = |number: &str| line.replace("70\n4\n", &format!("70\n{number}\n"));
+    let metres = read(&in_unit("6")).expect_err("kilometres of lines");
+    let words = "3400 by 2100 m large, with 1 m a unit by $INSUNITS of the file; if its numbers are millimetres, --unit mm makes it 3400 by 2100 mm";
+    assert!(metres.reason.contains(words), "{metres}");
+    let kilometres = read(&in_unit("7")).expect_err("as a country");
+    assert!(
+        kilometres.reason.contains("3.4e") || kilometres.reason.contains("3400000 by 2100000 m"),
+        "{kilometres}"
+    );
+    let choices = |unit_m| DxfChoices {
+        unit_m: Some(unit_m),
+        ..left_out()
+    };
+    for number in ["0", "1", "6", "7", "20"] {
+        let found = read_dxf(in_unit(number).as_bytes(), &choices(1e-3)).expect(number);
+        assert_near(only(&found).end(), [3.4, 2.1], 1e-12);
+    }
+    assert!(
+        read(&in_unit("18"))
+            .expect_err("astronomy")
+            .reason
+            .contains("--unit mm")
+    );
+    let far = file("", "0 LINE 8 0 10 4500000 20 0 11 4500100 21 0");
+    let fault = read(&far).expect_err("on a map");
+    assert!(
+        fault
+            .reason
+            .contains("100 by 0 mm large and lies 4500.1 m from"),
+        "{fault}"
+    );
+}
+
+/// Text of every system; what is no DXF is told in short.
+#[test]
+fn lines_end_in_any_way_and_letters_are_of_any_form() {
+    let text = file("", "0 LINE 8 caf\u{e9} 10 0 20 0 11 9 21 0");
+    let expected = read(&text).expect("a drawing").strokes;
+    for end in ["\r\n", "\r", "\r\r\n"] {
+        let found = read_dxf(text.replace('\n', end).as_bytes(), &left_out());
+        assert_eq!(found.expect(end).strokes, expected);
+    }
+    let utf_16 = format!("\u{feff}{text}");
+    let little: Vec<u8> = utf_16.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let latin: Vec<u8> = text.chars().map(|letter| letter as u32 as u8).collect();
+    for bytes in [
+        little,
+        latin,
+        utf_16.into_bytes(),
+        format!("{text}\x1a").into_bytes(),
+    ] {
+        let found = read_dxf(&bytes, &left_out()).expect("a drawing");
+        assert_eq!(
+            found.place_of(2),
+            "shape 1 (LINE in line 60, layer caf\u{e9})"
+        );
+    }
+    let long = "what ever ".repeat(10_000);
+    let fault = read(&long).expect_err("no drawing");
+    assert!(fault.to_string().len() < 200, "{fault}");
 }

@@ -1,6 +1,7 @@
 //! Arguments of `trirrr grbl`.
 
 use crate::arguments::{DEFAULT_SCENE, SetArgs, number_type};
+use crate::job_file::ZArgs;
 use clap::Args;
 use std::path::PathBuf;
 use trirrr_line::{Address, listening};
@@ -44,7 +45,7 @@ pub struct GrblArgs {
     /// Distance by which a corner may be rounded, mm; 0: the machine stops at each
     #[arg(long, value_name = "MM", default_value_t = 0.01, value_parser = crate::arguments::distance)]
     pub corner: f64,
-    /// Leave out words of Z: the machine has no such axis
-    #[arg(long)]
-    pub ignore_z: bool,
+    /// Sense of words of Z.
+    #[command(flatten)]
+    pub z: ZArgs,
 }

@@ -192,7 +192,7 @@ pub(super) fn with_bench<N: HostNumber, T>(
         travel_m: [0.2, 0.2],
         has_homing: false,
         motions: MOTIONS,
-        ignore_z: false,
+        z: Default::default(),
         outputs: 1,
         inputs: 1,
     };

@@ -127,7 +127,7 @@ fn serve<N: ServiceNumber>(
         travel_m: map.size().map(|nodes| nodes as f64 * map.step_m()),
         has_homing: scene.homing.is_some(),
         motions: path::MOTIONS,
-        ignore_z: args.ignore_z,
+        z: args.z.words(),
         outputs: scene.spare_pins.outputs.len() as u8,
         inputs: scene.spare_pins.inputs.len() as u8,
     };

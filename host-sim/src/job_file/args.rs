@@ -8,6 +8,7 @@ use clap::Args;
 use std::path::PathBuf;
 use trirrr_jobs::JobOptions;
 use trirrr_toolpath::ToolPlace;
+use trirrr_toolpath::gcode::ZWords;
 
 /// Job that stands in a file of its own.
 #[derive(Args, Clone, Debug)]
@@ -27,9 +28,9 @@ pub struct JobFileArgs {
     /// S for the full power of the tool
     #[arg(long, value_name = "S", requires = "machine", default_value_t = 1000.0, value_parser = crate::arguments::factor)]
     pub full_power: f64,
-    /// Leave out words of Z: the machine has no such axis
-    #[arg(long, requires = "machine")]
-    pub ignore_z: bool,
+    /// Sense of words of Z.
+    #[command(flatten)]
+    pub z: ZArgs,
     /// Play the file so many times, one after the other
     #[arg(long, value_name = "TIMES", requires = "machine", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub repeat: u32,
@@ -41,6 +42,43 @@ pub struct JobFileArgs {
     pub image: ImageArgs,
 }
 
+/// Sense of words of Z in G-code.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub struct ZArgs {
+    /// Leave out words of Z: the machine has no such axis. A program that lifts the tool with it on is refused
+    #[arg(long, conflicts_with = "tool_by_z")]
+    pub ignore_z: bool,
+    /// Switch the tool by Z, as a pen: on at this height of the file and below it, off above, whatever G0 and G1 say [mm; 0 without a number]
+    #[arg(long, value_name = "Z0", num_args = 0..=1, default_missing_value = "0", value_parser = height)]
+    pub tool_by_z: Option<f64>,
+}
+
+impl ZArgs {
+    /// One of them is given.
+    pub(super) fn is_given(&self) -> bool {
+        self.ignore_z || self.tool_by_z.is_some()
+    }
+
+    pub(crate) fn words(&self) -> ZWords {
+        match (self.tool_by_z, self.ignore_z) {
+            (Some(height_mm), _) => ZWords::Tool {
+                on_at_m: 1e-3 * height_mm,
+            },
+            (None, true) => ZWords::Ignored,
+            (None, false) => ZWords::Refused,
+        }
+    }
+}
+
+fn height(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.abs() <= 1e6 => Ok(value),
+        _ => Err(
+            "expected a height in mm with a decimal point; --tool-by-z alone is one of 0".into(),
+        ),
+    }
+}
+
 impl Default for JobFileArgs {
     /// Arguments where none is given.
     fn default() -> Self {
@@ -50,7 +88,7 @@ impl Default for JobFileArgs {
             origin: None,
             corner: 0.01,
             full_power: 1000.0,
-            ignore_z: false,
+            z: ZArgs::default(),
             repeat: 1,
             drawing: DrawingArgs::default(),
             image: ImageArgs::default(),
@@ -69,7 +107,7 @@ impl JobFileArgs {
             },
             corner_m: 1e-3 * self.corner,
             full_power: self.full_power,
-            ignore_z: self.ignore_z,
+            z: self.z.words(),
             repeat: self.repeat,
             drawing: self.drawing.options(),
         }

@@ -2,8 +2,10 @@
 
 use super::kind::JobKind;
 use crate::arguments::factor;
-use clap::Args;
+use clap::{Args, ValueEnum};
 use trirrr_jobs::{DrawingOptions, PenOption};
+#[cfg(feature = "full")]
+use trirrr_toolpath::drawing::DxfChoices;
 use trirrr_toolpath::drawing::PenKey;
 
 /// Feed, pens and place of a drawing; feed and place of an image; feed of a table.
@@ -21,6 +23,15 @@ pub struct DrawingArgs {
     /// Drawing: power, and feed in mm/min, of the strokes of a colour or a layer; `off`: they are left out. For each once
     #[arg(long, value_name = "#RRGGBB|LAYER=POWER[@FEED]|off", requires = "machine", value_parser = pen)]
     pub pen: Vec<PenArg>,
+    /// DXF: leave out entities of these kinds, without a word: text, dimension, hatch, point, or any other name in the file
+    #[arg(long, value_name = "KIND,..", requires = "machine", value_delimiter = ',', value_parser = entity)]
+    pub leave_out: Vec<String>,
+    /// DXF: unit of its numbers, in place of the one that the file names
+    #[arg(long, value_name = "UNIT", requires = "machine", value_enum)]
+    pub unit: Option<UnitArg>,
+    /// Drawing: leave out lines and curves that lie on others of their layer and colour
+    #[arg(long, requires = "machine")]
+    pub drop_doubles: bool,
     /// Drawing: fill areas with lines at this distance, mm. Areas of DXF are those inside closed outlines of a layer
     #[arg(long, value_name = "MM", requires = "machine", value_parser = factor)]
     pub hatch: Option<f64>,
@@ -36,7 +47,7 @@ impl DrawingArgs {
     /// Arguments that are given, each with the kinds of files that it is for.
     pub(super) fn given(&self) -> impl Iterator<Item = (&'static str, &'static [JobKind])> {
         use JobKind::{Drawing, Image, Table};
-        let given: [(bool, &str, &[JobKind]); 7] = [
+        let given: [(bool, &str, &[JobKind]); 10] = [
             (self.speed.is_some(), "--speed", &[Drawing, Image, Table]),
             (self.power.is_some(), "--power", &[Drawing, Image]),
             (
@@ -45,6 +56,9 @@ impl DrawingArgs {
                 &[Drawing, Image, Table],
             ),
             (!self.pen.is_empty(), "--pen", &[Drawing]),
+            (!self.leave_out.is_empty(), "--leave-out", &[Drawing]),
+            (self.unit.is_some(), "--unit", &[Drawing]),
+            (self.drop_doubles, "--drop-doubles", &[Drawing]),
             (self.hatch.is_some(), "--hatch", &[Drawing]),
             (self.scale.is_some(), "--scale", &[Drawing, Image]),
             (self.fit, "--fit", &[Drawing, Image]),
@@ -59,11 +73,32 @@ impl DrawingArgs {
         self.speed.map(metres_per_second)
     }
 
-    /// Returns true for a layer that is left out.
-    pub(super) fn leaves_out(&self, layer: &str) -> bool {
-        self.pen.iter().any(|each| {
-            each.power.is_none() && matches!(&each.key, PenKey::Layer(name) if name == layer)
-        })
+    /// Choices for a DXF file.
+    #[cfg(feature = "full")]
+    pub(super) fn dxf_choices(&self) -> DxfChoices {
+        let layers = self
+            .pen
+            .iter()
+            .filter_map(|each| match (&each.key, each.power) {
+                (PenKey::Layer(name), None) => Some(name.clone()),
+                _ => None,
+            });
+        DxfChoices {
+            layers: layers.collect(),
+            kinds: self.leave_out.clone(),
+            unit_m: self.unit.map(UnitArg::metres),
+        }
+    }
+
+    /// First argument that is given and is for DXF alone.
+    #[cfg(feature = "full")]
+    pub(super) fn for_dxf(&self) -> Option<&'static str> {
+        let given = [
+            (!self.leave_out.is_empty(), "--leave-out"),
+            (self.unit.is_some(), "--unit"),
+        ];
+        let first = given.into_iter().find(|(is_given, _)| *is_given);
+        first.map(|(_, name)| name)
     }
 
     /// The options that the arguments give, in SI units.
@@ -81,7 +116,54 @@ impl DrawingArgs {
             hatch_m: self.hatch.map(|pitch_mm| 1e-3 * pitch_mm),
             scale: self.scale,
             fit: self.fit,
+            drop_doubles: self.drop_doubles,
         }
+    }
+}
+
+/// Unit of a drawing's numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum UnitArg {
+    /// Micrometres.
+    Um,
+    /// Millimetres.
+    Mm,
+    /// Centimetres.
+    Cm,
+    /// Metres.
+    M,
+    /// Thousandths of an inch.
+    Mil,
+    /// Inches.
+    #[value(alias = "in")]
+    Inch,
+    /// Feet.
+    #[value(alias = "foot")]
+    Ft,
+}
+
+impl UnitArg {
+    /// Length of the unit, m.
+    #[cfg(feature = "full")]
+    fn metres(self) -> f64 {
+        match self {
+            Self::Um => 1e-6,
+            Self::Mm => 1e-3,
+            Self::Cm => 1e-2,
+            Self::M => 1.0,
+            Self::Mil => 2.54e-5,
+            Self::Inch => 0.0254,
+            Self::Ft => 0.3048,
+        }
+    }
+}
+
+fn entity(text: &str) -> Result<String, String> {
+    match text.trim() {
+        name if !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') => {
+            Ok(name.to_owned())
+        }
+        _ => Err("expected names of entities with commas between, as text,dimension".into()),
     }
 }
 

@@ -10,8 +10,8 @@ mod long;
 mod queue;
 mod read;
 
-pub use args::JobFileArgs;
 pub(crate) use args::origin;
+pub use args::{JobFileArgs, ZArgs};
 pub use drawing_args::{DrawingArgs, PenArg};
 pub use image_args::{ImageArgs, PitchArg};
 use long::LongPath;
@@ -29,7 +29,7 @@ use trirrr_figures::canvas::Drawn;
 use trirrr_jobs::{JobRefusal, breach, job_scene};
 use trirrr_scene::read::files::is_stream;
 use trirrr_scene::{JobPath, ReachMap, Scene, Unplanned, UntakenJob};
-use trirrr_toolpath::PathFault;
+use trirrr_toolpath::{PathFault, PathRemark};
 
 /// Place for the moves of a long job of G-code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,6 +48,8 @@ pub(crate) struct LoadedJob {
     pub(crate) machine: Option<Scene>,
     /// Lines at which the job waits, for the user or for an input.
     pub(crate) pauses: Vec<u32>,
+    /// Remarks about what was hardly meant.
+    pub(crate) remarks: Vec<PathRemark>,
 }
 
 impl LoadedJob {
@@ -57,11 +59,20 @@ impl LoadedJob {
             scene,
             machine: None,
             pauses: Vec::new(),
+            remarks: Vec::new(),
         }
     }
 
-    /// Says that nobody is waited for, where the job asks for it.
-    pub(crate) fn warn_of_pauses(&self) {
+    /// Says what was hardly meant.
+    pub(crate) fn say_remarks(&self) {
+        for remark in &self.remarks {
+            say(&format!("warning: {remark}"));
+        }
+    }
+
+    /// Says what was hardly meant, and that nobody is waited for, where the job asks for it.
+    pub(crate) fn warn(&self) {
+        self.say_remarks();
         for line in &self.pauses {
             say(&format!(
                 "warning: line {line} waits for the user or an input; here the motion stops there and goes on"
@@ -106,6 +117,10 @@ pub(crate) fn load_drawn(
         .is_some_and(|extension| extension == "toml")
         || args.machine.is_none() && is_stream(file);
     match &args.machine {
+        None if is_scene && args.z.is_given() => Err(CliError::Refused(format!(
+            "{}: --ignore-z and --tool-by-z are for a job with --machine SCENE.toml; leave them out",
+            file.display()
+        ))),
         None if is_scene => {
             let Some(figure) = figure else {
                 return Ok(LoadedJob::of_scene(args.set.scene_to_move(file)?));
@@ -171,6 +186,7 @@ fn load_for(
         }
     }
     Ok(LoadedJob {
+        remarks: read.watch.remarks(&scene),
         scene,
         machine: Some(machine),
         pauses: read.pauses,

@@ -11,8 +11,8 @@ use std::fs::File;
 use std::io::{self, BufReader};
 use std::path::Path;
 use trirrr_jobs::{
-    ElementPlaces, JobOptions, PathBuilder, PlacesIn, ReadJob, drawing_job, finish_job, gcode_job,
-    gcode_setup, table_job, too_often,
+    ElementPlaces, JobOptions, JobWatch, PathBuilder, PlacesIn, ReadJob, drawing_job, finish_job,
+    gcode_job, gcode_setup, table_job, too_often,
 };
 use trirrr_scene::read::files::{self, LONGEST_TABLE};
 use trirrr_scene::{JobPath, NumberType, Scene};
@@ -31,6 +31,7 @@ const LONG_PIECES: usize = 8192;
 pub(super) struct ReadPath {
     pub(super) way: ReadWay,
     pub(super) pauses: Vec<u32>,
+    pub(super) watch: JobWatch,
     pub(super) places: ElementPlaces,
 }
 
@@ -50,6 +51,7 @@ impl From<ReadJob> for ReadPath {
         Self {
             way: ReadWay::Whole(job.path),
             pauses: job.pauses,
+            watch: job.watch,
             places: job.places,
         }
     }
@@ -145,6 +147,7 @@ fn from_gcode(
             builder.count_only();
         }
     }
+    builder.reader.watch.program(elements.remarks());
     let blend_m = elements.interpreter().modal().blend_m;
     let corner_m = blend_m.unwrap_or(options.corner_m);
     if builder.has_parts() {
@@ -155,8 +158,11 @@ fn from_gcode(
     if pass.checked_mul(repeat).is_none() {
         return Err(too_often(repeat, u32::MAX as usize));
     }
+    let mut watch = builder.reader.watch;
+    watch.repeats(repeat);
     Ok(ReadPath {
         pauses: builder.reader.pauses,
+        watch,
         way: ReadWay::Long(LongPath {
             file: again.into(),
             setup,
@@ -179,10 +185,18 @@ fn drawing_of(file: &Path, args: &JobFileArgs) -> io::Result<Result<Drawing, Pat
     let is_dxf = file
         .extension()
         .is_some_and(|extension| extension.eq_ignore_ascii_case("dxf"));
+    if let (false, Some(argument)) = (is_dxf, args.drawing.for_dxf()) {
+        return Ok(Err(PathFault {
+            line: 0,
+            word: argument.to_owned(),
+            reason: "it is for DXF alone; leave it out".to_owned(),
+        }));
+    }
     Ok(match is_dxf {
-        true => read_dxf(&files::bytes_of(file, LONGEST_TABLE)?, |layer| {
-            args.drawing.leaves_out(layer)
-        }),
+        true => read_dxf(
+            &files::bytes_of(file, LONGEST_TABLE)?,
+            &args.drawing.dxf_choices(),
+        ),
         false => read_svg(files::bytes_of(file, LONGEST_TABLE)?),
     })
 }

@@ -82,7 +82,7 @@ pub fn command(args: &RunArgs, stop: &AtomicBool) -> Result<JobEnd, CliError> {
         .filter(|queued| queued.job.machine.is_none());
     own.for_each(|queued| unroll(&mut queued.job.scene));
     refuse_folders(&jobs)?;
-    jobs.iter().for_each(|queued| queued.job.warn_of_pauses());
+    jobs.iter().for_each(|queued| queued.job.warn());
     for QueuedJob { file, job, folder } in &jobs {
         let end = run_job(args, file, &job.scene, folder, stop)?;
         if end != JobEnd::Complete {

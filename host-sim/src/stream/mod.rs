@@ -75,6 +75,7 @@ fn stream_all(
                 .map_err(|why| CliError::Refused(format!("{}:{why}", queued.file.display())))?
         });
     }
+    jobs.iter().for_each(|queued| queued.job.say_remarks());
     for queued in &jobs {
         let scalar = scalar(queued);
         let end = in_number_type!(scalar, N => stream::<N>(args, queued, scalar, keys, stop))?;
@@ -95,6 +96,7 @@ fn check_board<N: ServiceNumber>(job: &LoadedJob) -> Result<(), String> {
         scene,
         machine,
         pauses,
+        ..
     } = job;
     let own = machine.as_ref().unwrap_or(scene);
     if own.service.autonomous.is_some() {

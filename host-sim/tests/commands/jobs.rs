@@ -562,7 +562,7 @@ fn refusals_of_drawings_and_tables_name_the_shape_and_the_argument() {
             "a.svg",
             svg(bar),
             &feed[..],
-            ["a.svg: way to shape 1 (bar): ", "leg"],
+            [" way to shape 1 (bar): ", "leg"],
         ),
         ("a.svg", text, &feed, ["a.svg:1: text: ", "paths"]),
         (
@@ -600,7 +600,10 @@ fn refusals_of_drawings_and_tables_name_the_shape_and_the_argument() {
             "a.dxf",
             dxf("LINE 8 cut 10 0 20 0 11 9 21 0"),
             &feed,
-            ["a.dxf: way to shape 1 (LINE in line 6, layer cut): ", "leg"],
+            [
+                " way to shape 1 (LINE in line 6, layer cut): ",
+                "a.dxf: the drawing is 9 by 0 mm",
+            ],
         ),
         (
             "a.dxf",

@@ -12,6 +12,7 @@ mod figures;
 mod files;
 mod first_steps;
 mod grbl;
+mod job_remarks;
 mod jobs;
 mod linkage;
 mod planning;

@@ -191,7 +191,7 @@ fn arguments_and_commands_for_a_3_rrr_say_so() {
         (vec!["run", file, file, "--out", out], "one scene at a time"),
         (
             vec!["plan", file, "--out", out],
-            "boards, streams, planning and designs are for a 3-RRR",
+            "boards, streams, planning, designs, calibration and identification are for a 3-RRR",
         ),
         (
             vec!["stream", file, "--port", "127.0.0.1:1"],

@@ -29,6 +29,9 @@ export interface JobInputValues {
     speed_mm_min?: number | undefined;
     power?: number | undefined;
     hatch_mm?: number | undefined;
+    drop_doubles?: boolean;
+    tool_by_z_mm?: number | undefined;
+    ignore_z?: boolean;
 }
 
 /** A job in a file of its own. */

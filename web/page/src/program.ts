@@ -16,6 +16,13 @@ const INPUTS: [keyof JobInputValues, string][] = [
     ["speed_mm_min", "--speed"],
     ["power", "--power"],
     ["hatch_mm", "--hatch"],
+    ["tool_by_z_mm", "--tool-by-z"],
+];
+
+/** Choices by their names in the core, with the argument of the command line. */
+const CHOICES: [keyof JobInputValues, string][] = [
+    ["drop_doubles", "--drop-doubles"],
+    ["ignore_z", "--ignore-z"],
 ];
 
 /** True for the name of a file that may hold a job. */
@@ -85,6 +92,7 @@ export class Program {
         this.box("speed_mm_min").value = drawing ? String(SPEED) : "";
         for (const label of this.page("inputs").querySelectorAll<HTMLElement>(".drawing")) label.hidden = !drawing;
         this.page("alpha").hidden = drawing;
+        for (const label of this.page("inputs").querySelectorAll<HTMLElement>(".gcode")) label.hidden = drawing;
         this.show("job");
     }
 
@@ -131,6 +139,7 @@ export class Program {
             const value = name in others ? others[name as keyof typeof others] : undefined;
             if (value !== undefined) words.push(argument, String(value));
         }
+        for (const [name, argument] of CHOICES) if (name in others && others[name as keyof typeof others] === true) words.push(argument);
         this.page("command").textContent = words.join(" ");
     }
 
@@ -141,8 +150,12 @@ export class Program {
             return Number.isNaN(valueAsNumber) ? undefined : valueAsNumber;
         };
         const common = { x_mm: value("x_mm") ?? 0, y_mm: value("y_mm") ?? 0, corner_mm: value("corner_mm") };
-        if (!drawing) return { ...common, alpha_deg: value("alpha_deg") ?? 0, fit: false };
-        return { ...common, alpha_deg: 0, fit: this.box("fit").checked, scale: value("scale"), speed_mm_min: value("speed_mm_min"), power: value("power"), hatch_mm: value("hatch_mm") };
+        if (!drawing) {
+            const tool_by_z_mm = value("tool_by_z_mm");
+            this.box("ignore_z").disabled = tool_by_z_mm !== undefined;
+            return { ...common, alpha_deg: value("alpha_deg") ?? 0, fit: false, tool_by_z_mm, ignore_z: tool_by_z_mm === undefined && this.box("ignore_z").checked };
+        }
+        return { ...common, alpha_deg: 0, fit: this.box("fit").checked, drop_doubles: this.box("drop_doubles").checked, scale: value("scale"), speed_mm_min: value("speed_mm_min"), power: value("power"), hatch_mm: value("hatch_mm") };
     }
 
     private box(name: string): HTMLInputElement {

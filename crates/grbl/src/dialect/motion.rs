@@ -38,7 +38,7 @@ impl Dialect {
         if let Err(reason) = self.check(&work, reach) {
             return self.refuse(fault::TRAVEL, &reason);
         }
-        if let Some(message) = &work.message {
+        for message in work.message.iter().chain(&work.tool_change) {
             self.message(message);
         }
         self.interpreter = trial;

@@ -50,9 +50,9 @@ fn a_hundred_thousand_damaged_lines_are_each_answered_once() {
         let shown = String::from_utf8_lossy(&line).into_owned();
         line.push(b'\n');
         let mut said = machine.send(&line);
-        // It may have become a pause, or a long stand.
-        if said.is_empty() {
-            said = machine.now(b"~");
+        // It may have become a pause, with the name of a tool, or a long stand.
+        if answers(&said) == 0 {
+            said += &machine.now(b"~");
             // An arc of a hundred turns is as many motions, of which the machine takes sixteen at a time.
             for _ in 0..8 {
                 said += &machine.pass(Duration::from_secs(2_000_000));

@@ -48,7 +48,7 @@ impl Machine {
             travel_m: [1.0, 1.0],
             has_homing: false,
             motions: 16,
-            ignore_z: false,
+            z: Default::default(),
             outputs: 2,
             inputs: 2,
         };

@@ -3,6 +3,7 @@
 //! A drawing has x to the right and y upward, in m. `read_svg`
 //! and `read_dxf` read one. [`Drawing::elements`] makes a tool path of it: the tool is off on the way to a stroke, and on along it.
 
+mod doubles;
 #[cfg(feature = "dxf")]
 mod dxf;
 mod flat;
@@ -15,7 +16,7 @@ mod stroke;
 mod svg;
 
 #[cfg(feature = "dxf")]
-pub use dxf::read_dxf;
+pub use dxf::{DxfChoices, read_dxf};
 pub use flat::FlatDrawing;
 pub use stroke::{Stroke, StrokeCurve};
 #[cfg(feature = "svg")]

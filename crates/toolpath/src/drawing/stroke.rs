@@ -139,6 +139,19 @@ pub(super) fn chords_of_bezier([from, first, second, to]: [[f64; 2]; 4], flatnes
         .clamp(1.0, CHORDS_MAX) as u32
 }
 
+/// Point of a curve that begins at `from`, at a part of it.
+pub(super) fn point_at(from: [f64; 2], curve: &StrokeCurve, p: f64) -> [f64; 2] {
+    match *curve {
+        StrokeCurve::Line(to) => [0, 1].map(|axis| from[axis] + p * (to[axis] - from[axis])),
+        StrokeCurve::Arc { centre, turn, .. } => {
+            let [x, y] = [0, 1].map(|axis| from[axis] - centre[axis]);
+            let (sin, cos) = libm::sincos(p * turn);
+            [centre[0] + cos * x - sin * y, centre[1] + sin * x + cos * y]
+        }
+        StrokeCurve::Bezier([first, second, to]) => at_parameter([from, first, second, to], p),
+    }
+}
+
 fn at_parameter([a, b, c, d]: [[f64; 2]; 4], p: f64) -> [f64; 2] {
     let q = 1.0 - p;
     let weights = [q * q * q, 3.0 * q * q * p, 3.0 * q * p * p, p * p * p];

@@ -24,23 +24,7 @@ impl<'t> LineRun<'_, 't> {
         goal: ToolPlace,
         direction: Direction,
     ) -> Result<(), GcodeRefusal> {
-        let whole_turns = match self.block.value(b'P') {
-            Some(word) if word.value > TURNS_MAX => {
-                let reason = format!(
-                    "an arc has at most {TURNS_MAX} turns: write several of them, or play the job with --repeat"
-                );
-                return Err(self.block.refuse(RefusalKind::TooLarge, word.text, &reason));
-            }
-            Some(word) if word.value >= 1.0 && word.value.fract() == 0.0 => word.value - 1.0,
-            Some(word) => {
-                return Err(self.block.refuse(
-                    RefusalKind::Unused,
-                    word.text,
-                    "P of an arc is a whole number of turns from 1",
-                ));
-            }
-            None => 0.0,
-        };
+        let whole_turns = self.whole_turns()?;
         let words = ArcWords {
             goal,
             direction,
@@ -81,17 +65,35 @@ impl<'t> LineRun<'_, 't> {
                 alpha_rad,
             };
             let stops = self.stops() && index == last;
-            self.go(
-                ToolMotion {
-                    curve,
-                    to,
-                    feed_m_s: feed,
-                    stops,
-                },
-                ToolUse::AtFeed,
-            );
+            let motion = ToolMotion {
+                curve,
+                to,
+                feed_m_s: feed,
+                stops,
+            };
+            let done = if index == last { 1.0 } else { done };
+            self.go(motion, ToolUse::AtFeed, done)?;
         }
         Ok(())
+    }
+
+    /// Turns of an arc beyond the one that it begins (P).
+    pub(super) fn whole_turns(&self) -> Result<f64, GcodeRefusal> {
+        match self.block.value(b'P') {
+            Some(word) if word.value > TURNS_MAX => {
+                let reason = format!(
+                    "an arc has at most {TURNS_MAX} turns: write several of them, or play the job with --repeat"
+                );
+                Err(self.block.refuse(RefusalKind::TooLarge, word.text, &reason))
+            }
+            Some(word) if word.value >= 1.0 && word.value.fract() == 0.0 => Ok(word.value - 1.0),
+            Some(word) => Err(self.block.refuse(
+                RefusalKind::Unused,
+                word.text,
+                "P of an arc is a whole number of turns from 1",
+            )),
+            None => Ok(0.0),
+        }
     }
 
     fn arc_parts(
@@ -162,7 +164,7 @@ impl<'t> LineRun<'_, 't> {
     }
 }
 
-fn arc_reason(fault: ArcFault) -> (RefusalKind, String) {
+pub(super) fn arc_reason(fault: ArcFault) -> (RefusalKind, String) {
     let mm = |metres: f64| metres * 1000.0;
     let kind = match fault {
         ArcFault::RadiiDiffer(..) | ArcFault::OnePoint => RefusalKind::ArcTarget,

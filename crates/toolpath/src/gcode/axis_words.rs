@@ -3,6 +3,7 @@ use super::block::ValueWord;
 use super::frames::{AXES, axes, place};
 use super::refusal::{GcodeRefusal, RefusalKind};
 use super::run::LineRun;
+use super::setup::ZWords;
 use crate::ToolPlace;
 
 /// Farthest coordinate, m and rad. Sums of words in G91 have no bound of their own.
@@ -12,20 +13,26 @@ const FARTHEST: f64 = 1e6;
 pub(super) struct AxisWords<'t> {
     /// X, Y and A.
     pub(super) words: [Option<ValueWord<'t>>; 3],
-    /// Also true for a Z that is ignored.
+    /// Z, where it is not refused.
+    pub(super) z: Option<ValueWord<'t>>,
+    /// True for a Z, too.
     pub(super) any: bool,
 }
 
 impl<'t> LineRun<'_, 't> {
-    /// Collects the axis words. Refuses Z unless the setup ignores it.
-    pub(super) fn axis_words(&self) -> Result<AxisWords<'t>, GcodeRefusal> {
+    /// Collects the axis words. Refuses Z where the setup has no sense for it.
+    pub(super) fn axis_words(&mut self) -> Result<AxisWords<'t>, GcodeRefusal> {
         let z = self.block.value(b'Z');
-        if let (Some(z), false) = (z, self.fixed.ignore_z) {
-            let reason = "the machine has no Z; switch the laser with M3, M4 and M5, or let the setup ignore Z";
-            return Err(self.block.refuse(RefusalKind::Unsupported, z.text, reason));
+        if let Some(z) = z {
+            if self.fixed.z == ZWords::Refused {
+                let reason = "the machine has no Z: with --tool-by-z the tool is on at Z0 and below, with --ignore-z words of Z are left out";
+                return Err(self.block.refuse(RefusalKind::Unsupported, z.text, reason));
+            }
+            self.state.program.has_z = true;
         }
         let words = AXES.map(|letter| self.block.value(letter));
         Ok(AxisWords {
+            z,
             any: z.is_some() || words.iter().any(Option::is_some),
             words,
         })

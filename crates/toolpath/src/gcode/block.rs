@@ -42,7 +42,7 @@ const LETTERS: [u8; 14] = *b"AFIJKLPQRSTXYZ";
 /// Number of modal groups of G codes, so the most G codes in a line.
 const GROUPS: usize = 11;
 /// Number of modal groups of M codes.
-const MISC_GROUPS: usize = 5;
+const MISC_GROUPS: usize = 6;
 
 impl<'a> Block<'a> {
     pub(super) fn new(number: u32) -> Self {

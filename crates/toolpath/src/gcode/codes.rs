@@ -1,13 +1,13 @@
 //! G and M codes that are supported, and reasons for those that are not.
-use super::modal::{FeedMode, LaserMode, LengthUnit, MotionMode, PathMode};
+use super::modal::{self, FeedMode, LaserMode, LengthUnit, MotionMode, PathMode};
 
 /// G code with an effect, or one that states what holds anyway.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum GeneralCode {
     Once(OnceCode),
     Motion(MotionMode),
-    /// G17: the plane of the machine.
-    Plane,
+    /// G17 to G19.
+    Plane(modal::Plane),
     Distance {
         incremental: bool,
     },
@@ -65,6 +65,8 @@ pub(super) enum MiscCode {
     },
     /// M66.
     Input,
+    /// M6.
+    ToolChange,
 }
 
 /// Code that ended a program.
@@ -93,7 +95,9 @@ pub(super) fn general(tenths: u32) -> Result<GeneralCode, &'static str> {
         530 => G::Once(OnceCode::FixedFrame),
         920 => G::Once(OnceCode::Shift),
         921 => G::Once(OnceCode::ClearShift),
-        170 => G::Plane,
+        170 => G::Plane(modal::Plane::Xy),
+        180 => G::Plane(modal::Plane::Zx),
+        190 => G::Plane(modal::Plane::Yz),
         200 => G::Unit(LengthUnit::Inch),
         210 => G::Unit(LengthUnit::Millimetre),
         400 => G::Compensation,
@@ -122,7 +126,7 @@ pub(super) fn group(code: GeneralCode) -> u32 {
     match code {
         GeneralCode::Once(_) => 0,
         GeneralCode::Motion(_) => 1,
-        GeneralCode::Plane => 2,
+        GeneralCode::Plane(_) => 2,
         GeneralCode::Distance { .. } => 3,
         GeneralCode::Centres { .. } => 4,
         GeneralCode::Feed(_) => 5,
@@ -134,10 +138,13 @@ pub(super) fn group(code: GeneralCode) -> u32 {
     }
 }
 
+/// Reason to refuse another plane than that of x and y.
+pub(super) const OTHER_PLANE: &str = "the machine moves in the plane of x and y; arcs need G17";
+
 fn no_general(tenths: u32) -> &'static str {
     match tenths {
         50..60 => "splines are not supported; write the curve as G1, G2 or G3",
-        171..200 => "the machine moves in the plane of x and y; arcs need G17",
+        171..200 => OTHER_PLANE,
         281 | 301 => "positions are not stored by programs; set the goal of G28 in the setup",
         300 => "there is no second home; use G28, or G53 G0 with coordinates",
         380..390 => "jobs do not probe; `trirrr grbl` takes G38.2 to G38.5 from a sender",
@@ -171,7 +178,7 @@ pub(super) fn miscellaneous(tenths: u32) -> Result<MiscCode, &'static str> {
         },
         660 => MiscCode::Input,
         670 | 680 => return Err("outputs have two levels: M62 to M65; the tool has power: S"),
-        60 => return Err("the machine has no tool changer; remove the code, or pause with M0"),
+        60 => MiscCode::ToolChange,
         980 | 990 => return Err("subprograms are not supported; write their blocks out"),
         _ => {
             return Err(
@@ -189,5 +196,6 @@ pub(super) fn miscellaneous_group(code: MiscCode) -> u32 {
         MiscCode::Coolant => 22,
         MiscCode::Output { .. } => 23,
         MiscCode::Input => 24,
+        MiscCode::ToolChange => 25,
     }
 }

@@ -60,6 +60,10 @@ impl<'t> LineRun<'_, 't> {
             }
         });
         self.state.frames.set_origin(index, new);
+        if let (Some(z), true) = (words.z, by_place && index == self.state.modal.origin) {
+            let z_m = self.state.modal.unit.to_metres(z.value);
+            self.state.height.shift_to(z_m);
+        }
         Ok(())
     }
 
@@ -71,6 +75,10 @@ impl<'t> LineRun<'_, 't> {
         self.state.frames.shift = self.with_words(words, self.state.frames.shift, |axis, value| {
             base[axis] - value
         });
+        if let Some(z) = words.z {
+            let z_m = self.state.modal.unit.to_metres(z.value);
+            self.state.height.shift_to(z_m);
+        }
         Ok(())
     }
 }

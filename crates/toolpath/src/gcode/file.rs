@@ -1,22 +1,27 @@
 //! Elements of a file, read as they are asked for.
+use super::dialect::{Dialect, LOOKED_AT, told_by};
 use super::interpreter::Interpreter;
-use super::setup::GcodeSetup;
-use super::text::LONGEST;
-use crate::{Element, PathFault};
-use std::io::{BufRead, Read};
+use super::lines::Lines;
+use super::setup::{GcodeSetup, ZWords};
+use super::state::ProgramFacts;
+use crate::{Element, PathFault, PathRemark, short};
+use std::io::BufRead;
 
 /// Elements of a G-code file, in constant memory. Ends at M2, M30, the second `%`, the end of the file, and behind
 /// the first refusal.
 ///
 /// # Errors
 ///
-/// An item is a refusal if its line is refused, cannot be read, is no UTF-8 or is longer than 1,000 bytes.
+/// An item is a refusal if its line is refused, cannot be read, is no text, or has words of more than 1,000 bytes.
 pub fn elements<R: BufRead>(reader: R, setup: GcodeSetup) -> GcodeFile<R> {
     GcodeFile {
-        reader,
+        lines: Lines::new(reader),
+        z: setup.z,
         interpreter: Interpreter::new(setup),
         line: 0,
-        text: Vec::new(),
+        text: String::new(),
+        told: None,
+        remarks: Vec::new(),
         waiting: Vec::new().into_iter(),
         ended: false,
     }
@@ -25,11 +30,15 @@ pub fn elements<R: BufRead>(reader: R, setup: GcodeSetup) -> GcodeFile<R> {
 /// Iterator over the elements of a file. See [`elements`].
 #[derive(Debug)]
 pub struct GcodeFile<R> {
-    reader: R,
+    lines: Lines<R>,
     interpreter: Interpreter,
-    /// Number of the last line that was read.
+    /// Number of the last line that was read, and the line.
     line: u32,
-    text: Vec<u8>,
+    text: String,
+    /// Another dialect, with the line and the words that have told it.
+    told: Option<(Dialect, u32, String)>,
+    remarks: Vec<PathRemark>,
+    z: ZWords,
     /// Elements of that line that are still to be handed out.
     waiting: std::vec::IntoIter<Element>,
     ended: bool,
@@ -40,55 +49,94 @@ impl<R> GcodeFile<R> {
     pub fn interpreter(&self) -> &Interpreter {
         &self.interpreter
     }
+
+    /// Facts about the lines that were read, and remarks about them.
+    pub fn remarks(&self) -> GcodeRemarks {
+        let facts = self.interpreter.facts();
+        let mut remarks = self.remarks.clone();
+        if let (ZWords::Tool { on_at_m }, 1..) = (self.z, facts.plunges + facts.ramps) {
+            let height = (on_at_m * 1e9).round() / 1e6;
+            remarks.push(PathRemark::new(
+                0,
+                format!(
+                    "--tool-by-z: {} of Z alone take no time, and {} switch the tool where they cross Z{height}",
+                    counted(facts.plunges, "motion"),
+                    counted(facts.ramps, "ramp")
+                ),
+            ));
+        }
+        GcodeRemarks { facts, remarks }
+    }
+}
+
+/// Facts about a program and remarks about its lines.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct GcodeRemarks {
+    /// Facts.
+    pub facts: ProgramFacts,
+    /// Remarks, in the order of lines.
+    pub remarks: Vec<PathRemark>,
+}
+
+fn counted(count: u32, thing: &str) -> String {
+    let plural = if count == 1 { "" } else { "s" };
+    format!("{count} {thing}{plural}")
 }
 
 impl<R: BufRead> GcodeFile<R> {
     /// Reads a line and interprets it.
     fn advance(&mut self) -> Result<(), PathFault> {
-        self.text.clear();
         self.line = self.line.saturating_add(1);
-        let line = self.line;
-        let refuse = |reason: String| PathFault {
-            line,
-            word: String::new(),
-            reason,
-        };
-        // One byte more than a line, its end of two bytes, and a byte order mark.
-        let most = LONGEST as u64 + 6;
-        let read = self
-            .reader
-            .by_ref()
-            .take(most)
-            .read_until(b'\n', &mut self.text);
-        let length = read.map_err(|error| refuse(format!("the line cannot be read: {error}")))?;
-        if length == 0 {
-            self.ended = true;
-            return self.interpreter.check_end().map_err(|found| found.fault);
+        let read = self.lines.next(&mut self.text);
+        if self.line <= LOOKED_AT {
+            self.look();
         }
-        let text = match self.text.strip_suffix(b"\n") {
-            Some(text) => text,
-            None if self.text.len() > LONGEST => {
-                return Err(refuse(
-                    "the line is longer than 1,000 bytes; break it into several".to_owned(),
-                ));
+        match read {
+            Ok(true) => {}
+            Ok(false) => {
+                self.ended = true;
+                return self.interpreter.check_end().map_err(|found| found.fault);
             }
-            None => &self.text,
+            Err(fault) => {
+                return Err(self.refused(PathFault {
+                    line: self.line,
+                    word: short(&self.text),
+                    reason: fault.reason(),
+                }));
+            }
+        }
+        let work = match self.interpreter.line(self.line, &self.text) {
+            Ok(work) => work,
+            Err(found) => return Err(self.refused(found.fault)),
         };
-        let text = str::from_utf8(text)
-            .map_err(|_| refuse("the line is no UTF-8; is this a G-code file?".to_owned()))?;
-        // Editors put a byte order mark before the first line.
-        let text = if line == 1 {
-            text.trim_start_matches('\u{feff}')
-        } else {
-            text
-        };
-        let work = self
-            .interpreter
-            .line(line, text)
-            .map_err(|found| found.fault)?;
         self.ended = work.end.is_some();
         self.waiting = work.elements.into_iter();
+        if let Some(change) = work.tool_change {
+            self.remarks.push(PathRemark::new(self.line, change));
+        }
         Ok(())
+    }
+
+    /// Looks whether the line tells another dialect. The first one that does counts.
+    fn look(&mut self) {
+        if self.told.is_none()
+            && let Some((dialect, word)) = told_by(&self.text)
+        {
+            self.told = Some((dialect, self.line, short(word)));
+        }
+    }
+
+    /// A refusal, with the dialect of the file, where it has another one.
+    fn refused(&mut self, mut fault: PathFault) -> PathFault {
+        self.look();
+        if let Some((Dialect { name, remedy }, line, word)) = &self.told {
+            let told = format!("the file is {name}, by {word:?} in line {line}: {remedy}");
+            fault.reason = match *line == fault.line {
+                true => told,
+                false => format!("{}; {told}", fault.reason),
+            };
+        }
+        fault
     }
 }
 

@@ -2,14 +2,15 @@
 use super::block::Block;
 use super::codes::ProgramEnd;
 use super::frames::WorkFrames;
+use super::height::Height;
 use super::modal::Modal;
 use super::refusal::{GcodeRefusal, RefusalKind, refusal};
 use super::run::{LineRun, NO_MOTION};
 use super::setup::{FixedSetup, GcodeSetup};
-use super::state::GcodeState;
+use super::state::{GcodeState, ProgramFacts};
 use super::text::{LineKind, plain};
 use super::words;
-use crate::{Element, ToolPlace};
+use crate::{Element, ToolPlace, short};
 
 /// Interpreter of G-code, line by line.
 #[derive(Clone, Debug)]
@@ -18,6 +19,8 @@ pub struct Interpreter {
     state: GcodeState,
     /// Words of the line under way. Kept between lines for its memory alone.
     scratch: String,
+    /// Comment of the line before, if it stands there alone.
+    note: Option<String>,
 }
 
 /// Demands of a line.
@@ -29,6 +32,8 @@ pub struct LineWork {
     pub end: Option<ProgramEnd>,
     /// Text of a `(MSG, ...)` comment.
     pub message: Option<String>,
+    /// Tool for which the program waits, with its comment.
+    pub tool_change: Option<String>,
 }
 
 impl Interpreter {
@@ -39,7 +44,7 @@ impl Interpreter {
             origins,
             full_power,
             home,
-            ignore_z,
+            z,
             outputs,
             inputs,
         } = setup;
@@ -53,17 +58,22 @@ impl Interpreter {
             place: start,
             begun: false,
             waiting: None,
+            height: Height::default(),
+            program: ProgramFacts::default(),
+            ended: None,
+            mounted: None,
         };
         Self {
             fixed: FixedSetup {
                 full_power,
                 home,
-                ignore_z,
+                z,
                 outputs,
                 inputs,
             },
             state,
             scratch: String::new(),
+            note: None,
         }
     }
 
@@ -116,6 +126,14 @@ impl Interpreter {
         self.state.frames.shift = ToolPlace::default();
         self.state.begun = false;
         self.state.waiting = None;
+        self.state.height = Height::default();
+        self.state.program = ProgramFacts::default();
+        self.state.mounted = None;
+    }
+
+    /// Facts about the program that has ended last, or else about the one under way.
+    pub fn facts(&self) -> ProgramFacts {
+        self.state.ended.unwrap_or(self.state.program)
     }
 
     /// Refuses the end of a program in which an M62 or M63 waits for a motion: it would have no effect.
@@ -154,19 +172,32 @@ impl Interpreter {
             }
             LineKind::Words => {
                 let block = words::read(number, text, scratch)?;
-                if !block.is_empty() {
-                    self.block(&block, &mut work)?;
+                if block.is_empty() {
+                    self.note = line.comment.map(str::to_owned).or(self.note.take());
+                } else {
+                    let tool = self.block(&block, &mut work)?;
+                    let comment = line.comment.or(self.note.as_deref());
+                    let comment =
+                        comment.map_or(String::new(), |text| format!(" ({})", short(text)));
+                    work.tool_change = tool.map(|tool| format!("change to tool {tool}{comment}"));
+                    self.note = None;
                 }
             }
         }
         Ok(work)
     }
 
-    /// Runs a block on a copy of the state, which stays only if the whole block holds.
-    fn block(&mut self, block: &Block<'_>, work: &mut LineWork) -> Result<(), GcodeRefusal> {
+    /// Runs a block on a copy of the state, which stays only if the whole block holds. Returns the number of a tool for which the program
+    /// waits.
+    fn block(
+        &mut self,
+        block: &Block<'_>,
+        work: &mut LineWork,
+    ) -> Result<Option<u32>, GcodeRefusal> {
         let mut run = LineRun::new(block, self.fixed, self.state.clone());
         run.block()?;
+        let awaited = run.awaited;
         (self.state, work.elements, work.end) = run.done();
-        Ok(())
+        Ok(awaited)
     }
 }

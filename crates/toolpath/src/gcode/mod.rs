@@ -6,14 +6,18 @@
 //!
 #![doc = include_str!("words.md")]
 mod arc;
+mod arc_across;
 mod arc_block;
 mod axis_words;
 mod block;
 mod codes;
 mod coordinates;
+mod dialect;
 mod file;
 mod frames;
+mod height;
 mod interpreter;
+mod lines;
 mod modal;
 mod motion;
 mod refusal;
@@ -25,8 +29,9 @@ mod uses;
 mod words;
 
 pub use codes::ProgramEnd;
-pub use file::{GcodeFile, elements};
+pub use file::{GcodeFile, GcodeRemarks, elements};
 pub use interpreter::{Interpreter, LineWork};
-pub use modal::{FeedMode, LaserMode, LengthUnit, Modal, MotionMode, PathMode};
+pub use modal::{FeedMode, LaserMode, LengthUnit, Modal, MotionMode, PathMode, Plane};
 pub use refusal::{GcodeRefusal, RefusalKind};
-pub use setup::{GcodeSetup, ORIGINS};
+pub use setup::{GcodeSetup, ORIGINS, ZWords};
+pub use state::ProgramFacts;

@@ -8,6 +8,8 @@ pub struct Modal {
     pub motion: MotionMode,
     /// Length unit of coordinates and feeds.
     pub unit: LengthUnit,
+    /// Plane of arcs.
+    pub plane: Plane,
     /// Coordinates are distances from the place of the path (G91).
     pub incremental: bool,
     /// I and J are coordinates (G90.1) and not distances from the start of the arc (G91.1).
@@ -26,8 +28,8 @@ pub struct Modal {
     pub feed_m_s: Option<f64>,
     /// Last S word, at most the full power of the setup.
     pub s: f64,
-    /// Number of the last T word, 0 or 1.
-    pub tool: u8,
+    /// Number of the last T word.
+    pub tool: u32,
 }
 
 impl Default for Modal {
@@ -36,6 +38,7 @@ impl Default for Modal {
         Self {
             motion: MotionMode::Rapid,
             unit: LengthUnit::Millimetre,
+            plane: Plane::Xy,
             incremental: false,
             absolute_centres: false,
             feed_mode: FeedMode::PerMinute,
@@ -78,10 +81,15 @@ impl fmt::Display for Modal {
             .feed_m_s
             .map_or(0.0, |feed| self.unit.of_metres(feed) * 60.0);
         let rate = (rate * 1e6).round() / 1e6;
+        let plane = match self.plane {
+            Plane::Xy => "G17",
+            Plane::Zx => "G18",
+            Plane::Yz => "G19",
+        };
         let (origin, tool, s) = (54 + self.origin, self.tool, self.s);
         write!(
             f,
-            "{motion} G{origin} G17 {unit} {distance} {feed} {laser} M9 T{tool} F{rate} S{s}"
+            "{motion} G{origin} {plane} {unit} {distance} {feed} {laser} M9 T{tool} F{rate} S{s}"
         )
     }
 }
@@ -106,6 +114,17 @@ impl MotionMode {
     pub(super) fn at_feed(self) -> bool {
         matches!(self, Self::Line | Self::Clockwise | Self::Counterclockwise)
     }
+}
+
+/// Plane of arcs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Plane {
+    /// G17: that of the machine.
+    Xy,
+    /// G18: its arcs are lines along x, seen from above.
+    Zx,
+    /// G19: its arcs are lines along y, seen from above.
+    Yz,
 }
 
 /// Length unit of a program.

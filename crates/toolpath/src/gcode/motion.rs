@@ -3,13 +3,14 @@ use super::arc::{self, Direction};
 use super::axis_words::AxisWords;
 use super::codes::OnceCode;
 use super::frames::{axes, place};
-use super::modal::{FeedMode, MotionMode, PathMode};
+use super::modal::{FeedMode, MotionMode, PathMode, Plane};
 use super::refusal::{GcodeRefusal, RefusalKind};
 use super::run::LineRun;
+use super::setup::ZWords;
 use crate::{Act, ToolCurve, ToolMotion, ToolPlace};
 
 /// A motion that goes less far, m and rad, is none.
-const STAND: f64 = 1e-12;
+pub(super) const STAND: f64 = 1e-12;
 /// Slowest feed, m/s: a millimetre in eleven days.
 const SLOWEST_M_S: f64 = 1e-9;
 
@@ -33,7 +34,7 @@ impl<'t> LineRun<'_, 't> {
         let moves = words.any || (named && direction.is_some());
         if !moves {
             return match (
-                b"IJR".iter().find_map(|letter| self.block.value(*letter)),
+                b"IJKR".iter().find_map(|letter| self.block.value(*letter)),
                 direction,
             ) {
                 (Some(word), Some(_)) => Err(self.block.refuse(
@@ -50,8 +51,15 @@ impl<'t> LineRun<'_, 't> {
             return Err(self.block.refuse(RefusalKind::NoAxes, radius.text, reason));
         }
         let goal = self.goal(words, fixed_frame)?;
+        self.aim_height(words, fixed_frame)?;
+        if words.z.is_some() && words.words.iter().all(Option::is_none) && direction.is_none() {
+            self.count_plunge();
+        }
         match (mode, direction) {
             (MotionMode::Rapid, _) => self.rapid(goal),
+            (_, Some(direction)) if self.state.modal.plane != Plane::Xy => {
+                self.arc_across(goal, direction)
+            }
             (_, Some(direction)) => self.arc(goal, direction),
             (MotionMode::None, _) => Err(self.block.refuse(
                 RefusalKind::NoMotionMode,
@@ -72,9 +80,13 @@ impl<'t> LineRun<'_, 't> {
             ));
         };
         if !words.any {
+            self.lift();
             return self.rapid(self.near(home)?);
         }
         let between = self.goal(words, false)?;
+        if words.z.is_some() {
+            self.lift();
+        }
         self.rapid(between)?;
         let mut goal = axes(self.state.place);
         for ((goal, word), home) in goal.iter_mut().zip(&words.words).zip(axes(home)) {
@@ -108,19 +120,21 @@ impl<'t> LineRun<'_, 't> {
 
     fn rapid(&mut self, goal: ToolPlace) -> Result<(), GcodeRefusal> {
         let stops = self.stops();
-        self.go(
-            ToolMotion {
-                curve: ToolCurve::Line,
-                to: goal,
-                feed_m_s: None,
-                stops,
-            },
-            ToolUse::Off,
-        );
-        Ok(())
+        let motion = ToolMotion {
+            curve: ToolCurve::Line,
+            to: goal,
+            feed_m_s: None,
+            stops,
+        };
+        self.go(motion, ToolUse::Off, 1.0)
     }
 
     pub(super) fn line(&mut self, goal: ToolPlace) -> Result<(), GcodeRefusal> {
+        self.line_to(goal, 1.0)
+    }
+
+    /// Line at the feed whose end is `done` of the block's way.
+    pub(super) fn line_to(&mut self, goal: ToolPlace, done: f64) -> Result<(), GcodeRefusal> {
         let way = distance(self.state.place, goal);
         let feed = self.feed_of(way)?;
         let stops = self.stops();
@@ -132,17 +146,14 @@ impl<'t> LineRun<'_, 't> {
         };
         // Only alpha turns: the tool point stands and has no feed.
         if way <= STAND {
-            self.go(
-                ToolMotion {
-                    feed_m_s: None,
-                    ..motion
-                },
-                ToolUse::AtRest,
-            );
+            let turn = ToolMotion {
+                feed_m_s: None,
+                ..motion
+            };
+            self.go(turn, ToolUse::AtRest, done)
         } else {
-            self.go(motion, ToolUse::AtFeed);
+            self.go(motion, ToolUse::AtFeed, done)
         }
-        Ok(())
     }
 
     /// Feed of a motion of such a length, m/s.
@@ -190,31 +201,45 @@ impl<'t> LineRun<'_, 't> {
         self.state.modal.path != PathMode::Blend
     }
 
-    /// Emits a motion. One that goes nowhere is left out, and the path stays at its place to the last bit.
-    pub(super) fn go(&mut self, motion: ToolMotion, tool: ToolUse) {
+    /// Emits a motion that ends `done` of the block's way. One that goes nowhere is left out, and the path stays at its place to the last
+    /// bit.
+    pub(super) fn go(
+        &mut self,
+        motion: ToolMotion,
+        tool: ToolUse,
+        done: f64,
+    ) -> Result<(), GcodeRefusal> {
         let turns = (motion.to.alpha_rad - self.state.place.alpha_rad).abs() > STAND;
         let curved = motion.curve != ToolCurve::Line;
         if !curved && !turns && distance(self.state.place, motion.to) <= STAND {
-            return;
+            return Ok(());
         }
-        let tool = match tool {
+        let start = std::mem::replace(&mut self.state.place, motion.to);
+        if let ZWords::Tool { on_at_m } = self.fixed.z {
+            self.push_by_height(start, motion, tool, (on_at_m, done));
+            return Ok(());
+        }
+        let work = match tool {
             ToolUse::Off => None,
             ToolUse::AtFeed => self.tool_at_feed(),
             ToolUse::AtRest => self.tool_at_rest(),
         };
-        self.state.place = motion.to;
-        self.push(tool, Act::Motion(motion));
+        if tool == ToolUse::AtFeed && work.is_some() && self.fixed.z == ZWords::Ignored {
+            self.check_lifted()?;
+        }
+        self.push(work, Act::Motion(motion));
+        Ok(())
     }
 }
 
 /// Tool in a motion.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub(super) enum ToolUse {
     Off,
     AtFeed,
     AtRest,
 }
 
-fn distance(a: ToolPlace, b: ToolPlace) -> f64 {
+pub(super) fn distance(a: ToolPlace, b: ToolPlace) -> f64 {
     arc::distance(a.position_m, b.position_m)
 }

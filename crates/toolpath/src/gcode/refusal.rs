@@ -1,5 +1,5 @@
 //! Refusals of lines, with their kinds.
-use crate::PathFault;
+use crate::{PathFault, short};
 
 /// Refusal of a line of G-code.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -60,11 +60,7 @@ pub enum RefusalKind {
 
 /// Refusal of a word. A word longer than 40 characters is cut.
 pub(super) fn refusal(kind: RefusalKind, line: u32, word: &str, reason: &str) -> GcodeRefusal {
-    const MOST: usize = 40;
-    let word = match word.char_indices().nth(MOST) {
-        Some((end, _)) => format!("{}...", &word[..end]),
-        None => word.to_owned(),
-    };
+    let word = short(word);
     let reason = reason.to_owned();
     GcodeRefusal {
         kind,

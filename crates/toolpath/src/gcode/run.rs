@@ -1,9 +1,9 @@
 //! One block, carried out on a copy of the state.
 use super::block::{Block, ValueWord};
-use super::codes::{GeneralCode, MiscCode, OnceCode, ProgramEnd};
-use super::modal::{FeedMode, LaserMode, Modal, MotionMode, PathMode};
+use super::codes::{GeneralCode, MiscCode, OTHER_PLANE, OnceCode, ProgramEnd};
+use super::modal::{FeedMode, LaserMode, Modal, MotionMode, PathMode, Plane};
 use super::refusal::{GcodeRefusal, RefusalKind, refusal};
-use super::setup::FixedSetup;
+use super::setup::{FixedSetup, ZWords};
 use super::state::GcodeState;
 use crate::{Act, Element, InputAct, InputChange, OutputAct, ToolPlace, ToolWork};
 
@@ -37,6 +37,13 @@ pub(super) struct LineRun<'b, 't> {
     /// M66, as it was written.
     pub(super) input: Option<&'t str>,
     pause: bool,
+    /// M6 stands in the block.
+    change: bool,
+    /// Number of a tool for which the program waits.
+    pub(super) awaited: Option<u32>,
+    /// Heights at the start and the end of the block's way, m, and the part of it that is behind.
+    pub(super) heights: [f64; 2],
+    pub(super) done: f64,
     end: Option<ProgramEnd>,
 }
 
@@ -54,6 +61,10 @@ impl<'b, 't> LineRun<'b, 't> {
             output: None,
             input: None,
             pause: false,
+            change: false,
+            awaited: None,
+            heights: [f64::INFINITY; 2],
+            done: 0.0,
             end: None,
         }
     }
@@ -66,10 +77,11 @@ impl<'b, 't> LineRun<'b, 't> {
     /// Carries the block out: modes, then F, S, T, laser, outputs, inputs, dwell, coordinate systems, motion, and the end.
     pub(super) fn block(&mut self) -> Result<(), GcodeRefusal> {
         self.state.begun = true;
-        self.modes();
+        self.modes()?;
         self.feed()?;
         self.power()?;
         self.tool()?;
+        self.change();
         self.tolerance()?;
         self.output()?;
         self.input()?;
@@ -101,8 +113,11 @@ impl<'b, 't> LineRun<'b, 't> {
 
     /// Puts an element behind the others of the block.
     pub(super) fn push(&mut self, tool: Option<ToolWork>, act: Act) {
-        if matches!(act, Act::Motion(_)) {
+        if let Act::Motion(motion) = &act {
             self.state.waiting = None;
+            if motion.feed_m_s.is_some() {
+                self.state.mounted.get_or_insert(self.state.modal.tool);
+            }
         }
         self.elements.push(Element {
             line: self.block.number,
@@ -124,15 +139,19 @@ impl<'b, 't> LineRun<'b, 't> {
 
     /// Work of the tool while the tool point stands: that of M3 between motions at the feed, as GRBL.
     pub(super) fn tool_at_rest(&self) -> Option<ToolWork> {
+        if let Some(tool) = self.tool_by_height() {
+            return tool;
+        }
         let cutting = self.state.modal.motion.at_feed();
         self.tool_at_feed()
             .filter(|tool| cutting && !tool.follows_speed)
     }
 
-    fn modes(&mut self) {
+    fn modes(&mut self) -> Result<(), GcodeRefusal> {
         let Self {
-            state: GcodeState { modal, .. },
+            state: GcodeState { modal, program, .. },
             block,
+            fixed,
             ..
         } = self;
         for word in block.general() {
@@ -158,14 +177,27 @@ impl<'b, 't> LineRun<'b, 't> {
                     modal.blend_m = None;
                     self.blend = path == PathMode::Blend;
                 }
-                GeneralCode::Plane | GeneralCode::Compensation | GeneralCode::ToolLength => {}
+                GeneralCode::Plane(plane) => {
+                    if plane != Plane::Xy && fixed.z == ZWords::Refused {
+                        let kind = RefusalKind::Unsupported;
+                        return Err(block.refuse(kind, word.text, OTHER_PLANE));
+                    }
+                    modal.plane = plane;
+                }
+                GeneralCode::Compensation | GeneralCode::ToolLength => {}
             }
         }
         for word in block.miscellaneous() {
             match word.code {
                 MiscCode::Pause => self.pause = true,
                 MiscCode::End(end) => self.end = Some(end),
-                MiscCode::Laser(laser) => modal.laser = laser,
+                MiscCode::Laser(laser) => {
+                    modal.laser = laser;
+                    if laser != LaserMode::Off {
+                        program.laser.get_or_insert(block.number);
+                    }
+                }
+                MiscCode::ToolChange => self.change = true,
                 MiscCode::Coolant => {}
                 MiscCode::Input => self.input = Some(word.text),
                 MiscCode::Output { on, with_motion } => {
@@ -177,6 +209,7 @@ impl<'b, 't> LineRun<'b, 't> {
                 }
             }
         }
+        Ok(())
     }
 
     fn feed(&mut self) -> Result<(), GcodeRefusal> {
@@ -208,6 +241,8 @@ impl<'b, 't> LineRun<'b, 't> {
             ));
         }
         self.state.modal.s = word.value.min(full);
+        self.state.program.has_s = true;
+        self.state.program.has_power |= word.value > 0.0;
         Ok(())
     }
 
@@ -215,18 +250,31 @@ impl<'b, 't> LineRun<'b, 't> {
         let Some(word) = self.block.value(b'T') else {
             return Ok(());
         };
-        self.state.modal.tool = match word.value {
-            0.0 => 0,
-            1.0 => 1,
-            _ => {
-                return Err(self.block.refuse(
-                    RefusalKind::Unsupported,
-                    word.text,
-                    "the machine has one tool: T0 or T1",
-                ));
-            }
-        };
+        if word.value.fract() != 0.0 {
+            let reason = "the number of a tool is whole";
+            let kind = RefusalKind::Unsupported;
+            return Err(self.block.refuse(kind, word.text, reason));
+        }
+        // Not negative, and at most a million.
+        self.state.modal.tool = word.value as u32;
         Ok(())
+    }
+
+    /// M6. The first tool is mounted, and T0 is none: the program waits for another one alone.
+    fn change(&mut self) {
+        let tool = self.state.modal.tool;
+        if !self.change || tool == 0 {
+            return;
+        }
+        if self
+            .state
+            .mounted
+            .replace(tool)
+            .is_some_and(|mounted| mounted != tool)
+        {
+            self.awaited = Some(tool);
+            self.push(None, Act::Pause);
+        }
     }
 
     /// P of G64.
@@ -384,5 +432,8 @@ impl<'b, 't> LineRun<'b, 't> {
             ..Modal::default()
         };
         self.state.begun = false;
+        self.state.ended = Some(std::mem::take(&mut self.state.program));
+        self.state.height.end_program();
+        self.state.mounted = None;
     }
 }

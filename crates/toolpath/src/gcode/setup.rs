@@ -4,6 +4,22 @@ use crate::ToolPlace;
 /// Number of work coordinate systems, G54 to G59.
 pub const ORIGINS: usize = 6;
 
+/// Sense of words of Z. The machine moves in the plane.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum ZWords {
+    /// They are refused.
+    #[default]
+    Refused,
+    /// They have no effect. A motion in which the tool would be on where the program lifts it is refused.
+    Ignored,
+    /// The tool is on at a height and below it, and off above, also in G0. Before the first motion of Z, and behind G28 and G53 with Z,
+    /// it is off. Its power is that of S, or all where there is no S yet; a program with M3 or M4 switches it by M5, too.
+    Tool {
+        /// Height in work coordinates, m.
+        on_at_m: f64,
+    },
+}
+
 /// Settings that an interpreter begins with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct GcodeSetup {
@@ -15,8 +31,8 @@ pub struct GcodeSetup {
     pub full_power: f64,
     /// Goal of G28 in the fixed frame. None: G28 is refused.
     pub home: Option<ToolPlace>,
-    /// Z words are read and have no effect. Otherwise they are refused: the machine moves in the plane.
-    pub ignore_z: bool,
+    /// Sense of words of Z.
+    pub z: ZWords,
     /// Outputs of the machine, of the numbers from 0 on; at most 8.
     pub outputs: u8,
     /// Inputs of the machine, of the numbers from 0 on; at most 8.
@@ -31,7 +47,7 @@ impl Default for GcodeSetup {
             origins: [ToolPlace::default(); ORIGINS],
             full_power: 1000.0,
             home: None,
-            ignore_z: false,
+            z: ZWords::Refused,
             outputs: 0,
             inputs: 0,
         }
@@ -43,7 +59,7 @@ impl Default for GcodeSetup {
 pub(super) struct FixedSetup {
     pub(super) full_power: f64,
     pub(super) home: Option<ToolPlace>,
-    pub(super) ignore_z: bool,
+    pub(super) z: ZWords,
     pub(super) outputs: u8,
     pub(super) inputs: u8,
 }

@@ -1,16 +1,25 @@
 //! First look at a line: comments, white space, checksum, block delete and `%` are taken off.
 use super::refusal::{GcodeRefusal, RefusalKind, refusal};
 
-/// Greatest length of a line, bytes, without its end.
+/// Greatest length of the words of a line, bytes.
 pub(super) const LONGEST: usize = 1000;
+
+/// Reason to refuse a longer one.
+pub(super) const TOO_LONG: &str =
+    "the words of the line are longer than 1,000 bytes; break it into several";
+
+/// Reason to refuse what senders write to a controller.
+pub(super) const SENDERS_LINE: &str = "a command of a sender to a GRBL controller, and no G-code: take it out, or let a sender play the file on `trirrr grbl`";
 
 /// Line without what stands beside its words.
 #[derive(Debug)]
-pub(super) struct PlainLine {
+pub(super) struct PlainLine<'t> {
     /// Sense of the rest.
     pub(super) kind: LineKind,
     /// Text of the last `(MSG, ...)`.
     pub(super) message: Option<String>,
+    /// Text of the last comment.
+    pub(super) comment: Option<&'t str>,
 }
 
 /// Sense of a line.
@@ -20,28 +29,20 @@ pub(super) enum LineKind {
     Words,
     /// The line starts with `/`: it is left out.
     Deleted,
-    /// `%` alone.
+    /// `%`, and maybe the name of a program.
     Percent,
 }
 
 /// Takes a line apart. Words go to `words`, which is cleared before, without the white space between and in them.
-pub(super) fn plain(
+pub(super) fn plain<'t>(
     number: u32,
-    text: &str,
+    text: &'t str,
     words: &mut String,
-) -> Result<PlainLine, GcodeRefusal> {
+) -> Result<PlainLine<'t>, GcodeRefusal> {
     words.clear();
     let refuse = |word: &str, reason: &str| refusal(RefusalKind::Letter, number, word, reason);
-    let text = text.strip_suffix('\r').unwrap_or(text);
-    if text.len() > LONGEST {
-        return Err(refusal(
-            RefusalKind::TooLong,
-            number,
-            "",
-            "the line is longer than 1,000 bytes; break it into several",
-        ));
-    }
-    let mut message = None;
+    let text = text.trim_end_matches('\r');
+    let (mut message, mut last) = (None, None);
     let mut checksum = None;
     let mut at = 0;
     while let Some(c) = text.get(at..).and_then(|rest| rest.chars().next()) {
@@ -49,10 +50,14 @@ pub(super) fn plain(
         let mut step = c.len_utf8();
         match c {
             ' ' | '\t' => {}
-            ';' => break,
+            ';' => {
+                last = Some(&rest[1..]);
+                break;
+            }
             '(' => {
                 let comment = comment(rest).map_err(|reason| refuse(rest, reason))?;
                 step = comment.len() + 2;
+                last = Some(comment);
                 message = self::message(comment).or(message);
             }
             ')' => {
@@ -75,25 +80,56 @@ pub(super) fn plain(
                 step = rest.find(digits).map_or(1, |start| start + digits.len());
             }
             // A line has no end in it; the parser would take what follows for another block.
-            '\n' | '\r' => return Err(refuse("", "the line has a line break in it")),
+            '\n' | '\r' => {
+                return Err(refuse(
+                    "",
+                    "the line has a line break in it; send line by line",
+                ));
+            }
             _ => words.push(c),
         }
         at += step;
     }
-    let kind = kind(words).map_err(|reason| refuse(words, reason))?;
-    Ok(PlainLine { kind, message })
+    if words.len() > LONGEST {
+        return Err(refusal(RefusalKind::TooLong, number, words, TOO_LONG));
+    }
+    let kind = kind(words, text).map_err(|reason| refuse(words, reason))?;
+    Ok(PlainLine {
+        kind,
+        message,
+        comment: last.map(str::trim).filter(|text| !text.is_empty()),
+    })
 }
 
-fn kind(words: &str) -> Result<LineKind, &'static str> {
-    if words == "%" {
-        Ok(LineKind::Percent)
+fn kind(words: &str, text: &str) -> Result<LineKind, &'static str> {
+    if words.starts_with(['$', '?', '!', '~']) {
+        Err(SENDERS_LINE)
+    } else if words.starts_with('%') {
+        // A name may follow, and no words: they would be left out.
+        match text.split_whitespace().any(is_word) {
+            true => Err("no words stand behind % in its line"),
+            false => Ok(LineKind::Percent),
+        }
     } else if words.contains('%') {
-        Err("% stands alone on its line")
+        Err("% stands first in its line")
     } else if words.starts_with('/') {
         Ok(LineKind::Deleted)
     } else {
         Ok(LineKind::Words)
     }
+}
+
+/// Returns true for a word of G-code, and for several side by side; not for the name of a program.
+fn is_word(text: &str) -> bool {
+    let text = text.trim_start_matches('%');
+    let mut letters = text.chars();
+    let is_first = letters
+        .next()
+        .is_some_and(|letter| "GMXYZAFST".contains(letter.to_ascii_uppercase()));
+    is_first
+        && letters
+            .next()
+            .is_some_and(|next| "0123456789.+-".contains(next))
 }
 
 /// Inside of the comment that `text` begins with.

@@ -16,20 +16,15 @@ impl LineRun<'_, '_> {
             Some(word) => Err(self.block.refuse(RefusalKind::Unused, word.text, reason)),
             None => Ok(()),
         };
+        // The distance of the centre across the plane of an arc has no effect: many programs write all three.
         if !arc {
-            for letter in *b"IJR" {
+            for letter in *b"IJKR" {
                 refuse(
                     self.block.value(letter),
                     "the word needs G2 or G3 in the line or before it",
                 )?;
             }
         }
-        // Some programs write the third distance of the centre, which is 0 in the plane.
-        let is_in_plane = |word: &ValueWord<'_>| !(arc && word.value == 0.0);
-        refuse(
-            self.block.value(b'K').filter(is_in_plane),
-            "the centre of an arc lies in the plane: I and J alone",
-        )?;
         if self.once != Some(OnceCode::SetOrigin) && self.input.is_none() {
             refuse(
                 self.block.value(b'L'),
@@ -37,9 +32,9 @@ impl LineRun<'_, '_> {
             )?;
         }
         if self.input.is_none() {
-            // No other code has such a letter.
-            let reason = "the word needs M66 in its line; with G64 give P alone";
-            if let Some(word) = self.block.value(b'Q') {
+            // Q of G64 lets LinuxCNC leave out points. Here no point is left out.
+            let reason = "the word needs M66 or G64 in its line";
+            if let (Some(word), false) = (self.block.value(b'Q'), self.blend) {
                 return Err(self
                     .block
                     .refuse(RefusalKind::Unsupported, word.text, reason));

@@ -4,6 +4,7 @@
 //! ended: a gap is refused. Values are read again from the text, because the parser has 32-bit floats.
 use super::block::{Block, GREATEST};
 use super::refusal::{GcodeRefusal, RefusalKind, refusal};
+use super::text::SENDERS_LINE;
 use gcode::core::{
     self as parser, BlockVisitor, CommandVisitor, ControlFlow, Diagnostics, Number, ProgramVisitor,
     Span, TokenType, Value,
@@ -17,9 +18,16 @@ const GREATEST_LINE: u64 = 10_000_000;
 
 /// Reads the words of a `line`, whose `text` has no white space and no comments.
 pub(super) fn read<'a>(number: u32, line: &str, text: &'a str) -> Result<Block<'a>, GcodeRefusal> {
-    check_line_number(number, text)?;
     check_exponents(number, line)?;
     check_decimal_signs(number, text)?;
+    let text = behind_line_number(number, text)?;
+    // The number of a program names it, and does no more.
+    if let Some(digits) = text.strip_prefix(['O', 'o', ':'])
+        && !digits.is_empty()
+        && digits.bytes().all(|byte| byte.is_ascii_digit())
+    {
+        return Ok(Block::new(number));
+    }
     check_code_numbers(number, text)?;
     let mut words = Words {
         text,
@@ -57,27 +65,31 @@ fn check_code_numbers(number: u32, text: &str) -> Result<(), GcodeRefusal> {
     Ok(())
 }
 
-/// Refuses a line number that is negative, or greater than GRBL's.
-fn check_line_number(number: u32, text: &str) -> Result<(), GcodeRefusal> {
+/// Text behind the line number that it begins with, if it has one. Refuses a number that is negative, or greater than GRBL's.
+fn behind_line_number(number: u32, text: &str) -> Result<&str, GcodeRefusal> {
     let Some(digits) = text.strip_prefix(['N', 'n']) else {
-        return Ok(());
+        return Ok(text);
     };
     let word = word_at(text, 0);
     if digits.starts_with('-') {
         let reason = "a line number is not negative";
         return Err(refusal(RefusalKind::Negative, number, word, reason));
     }
-    let end = digits
-        .find(|c: char| !c.is_ascii_digit())
-        .unwrap_or(digits.len());
-    match digits[..end].parse::<u64>() {
-        Ok(value) if value <= GREATEST_LINE => Ok(()),
-        Err(_) if end == 0 => Ok(()),
+    let length = |text: &str| text.bytes().take_while(u8::is_ascii_digit).count();
+    let (whole, rest) = digits.split_at(length(digits));
+    match whole.parse::<u64>() {
+        Ok(value) if value <= GREATEST_LINE => {}
+        // The parser refuses it.
+        Err(_) if whole.is_empty() => return Ok(text),
         _ => {
             let reason = "a line number is 10,000,000 at most";
-            Err(refusal(RefusalKind::LineNumber, number, word, reason))
+            return Err(refusal(RefusalKind::LineNumber, number, word, reason));
         }
     }
+    Ok(match rest.strip_prefix('.') {
+        Some(fraction) => &fraction[length(fraction)..],
+        None => rest,
+    })
 }
 
 /// Refuses numbers with an exponent, as other programs write them. White space tells them from a word E.
@@ -232,7 +244,7 @@ impl<'a> Words<'a> {
             self.refuse(
                 RefusalKind::Letter,
                 end.max(self.at),
-                "the text is not understood; remove it",
+                "the text is not understood as words of G-code",
             );
         }
     }
@@ -257,27 +269,12 @@ impl ProgramVisitor for Words<'_> {
 
 impl BlockVisitor for Part<'_, '_> {
     fn line_number(&mut self, _number: u32, span: Span) {
-        // Only digits: the parser cuts a fraction off.
-        let digits = self
-            .0
-            .text
-            .get(span.start + 1..span.end())
-            .unwrap_or_default();
-        if span.start != 0 {
-            self.0.refuse(
-                line_number_kind(self.0.text),
-                span.end(),
-                "the line number stands first in its line",
-            );
-        } else if digits.bytes().all(|byte| byte.is_ascii_digit()) {
-            self.0.at = span.end();
-        } else {
-            self.0.refuse(
-                RefusalKind::LineNumber,
-                span.end(),
-                "a line number has no fraction",
-            );
-        }
+        // That of the line was taken off.
+        self.0.refuse(
+            line_number_kind(self.0.text),
+            span.end(),
+            "the line number stands first in its line",
+        );
     }
 
     fn program_number(&mut self, _number: u32, span: Span) {
@@ -383,13 +380,18 @@ impl Diagnostics for Part<'_, '_> {
     }
 }
 
-const O_WORD: &str =
-    "program numbers and O words are not supported; remove the line, or write subprograms out";
+const O_WORD: &str = "O words are not supported but for the number of a program, alone in its line; write subprograms out";
 
 fn unknown(text: &str) -> &'static str {
     match text.chars().next() {
         Some('#') => "parameters are not supported; write the number",
         Some('[' | ']') => "expressions are not supported; write the number",
-        _ => "the character has no meaning in G-code; remove it",
+        Some(',') => {
+            "a comma has no meaning in G-code; the decimal sign is a point, and words stand side by side"
+        }
+        Some('$' | '?' | '!' | '~') => SENDERS_LINE,
+        _ => {
+            "the character has no meaning in G-code; numbers have digits, a sign and a decimal point"
+        }
     }
 }

@@ -267,7 +267,7 @@ fn arcs_that_make_no_sense_are_refused() {
         "G2 X10 I0 J0 F60",
         "G2 X10 I10 F60",
         "G2 X10 I5 R5 F60",
-        "G2 X10 I5 K1 F60",
+        "G1 X10 K1 F60",
         "G1 X10 I5 F60",
         "G1 X10 R5 F60",
         "I5",

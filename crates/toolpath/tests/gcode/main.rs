@@ -5,6 +5,7 @@ mod coordinates;
 mod damaged;
 mod feeds;
 mod files;
+mod height;
 mod inputs;
 mod modes;
 mod outputs;

@@ -1,7 +1,7 @@
 //! Motions, units, distances, path modes, dwell, pauses and ends.
 use crate::common::{last, motion, near, place, refused, run, run_with, same};
 use trirrr_toolpath::gcode::{
-    GcodeSetup, Interpreter, LengthUnit, MotionMode, PathMode, ProgramEnd,
+    GcodeSetup, Interpreter, LengthUnit, MotionMode, PathMode, ProgramEnd, ZWords,
 };
 use trirrr_toolpath::{Act, ToolCurve};
 
@@ -198,7 +198,7 @@ fn reset_keeps_place_and_zero_points() {
 #[test]
 fn z_words_have_no_effect_if_the_setup_says_so() {
     let setup = || GcodeSetup {
-        ignore_z: true,
+        z: ZWords::Ignored,
         home: Some(place(1.0, 1.0, 0.0)),
         ..GcodeSetup::default()
     };
@@ -212,5 +212,6 @@ fn z_words_have_no_effect_if_the_setup_says_so() {
         interpreter.work_place(interpreter.place()),
         place(1.0, 0.0, 0.0),
     );
-    assert!(refused("G0 X1 Z5").reason.contains("ignore Z"));
+    let fault = refused("G0 X1 Z5");
+    assert!(fault.reason.contains("--ignore-z") && fault.reason.contains("--tool-by-z"));
 }

@@ -36,11 +36,11 @@ fn numbers_have_all_their_digits() {
 #[test]
 fn line_numbers_have_no_effect() {
     same(last("N10 G0 X1").to, place(1.0, 0.0, 0.0));
-    assert!(run("N1\nn99999").1.is_empty());
+    same(last("N1.5 G0 X1").to, place(1.0, 0.0, 0.0));
+    assert!(run("N1\nn99999\nO1000\n:12 (name)").1.is_empty());
     for text in [
         "G0 N1 X1",
         "X1 N1",
-        "N1.5 G0 X1",
         "N-1",
         "N",
         "N1 N2 G0 X1",
@@ -125,7 +125,11 @@ fn percent_opens_and_ends_a_program() {
     assert_eq!(end("%"), None);
     assert_eq!(end("G0 X1"), None);
     assert_eq!(end("%"), percent);
+    assert_eq!(end("%O0001 part 7"), None);
+    assert_eq!(end("G0 X1"), None);
+    assert_eq!(end("%_N_part_MPF (a)"), percent);
     refused("% G0 X1");
+    refused("%G0X1");
     refused("G0 X1 %");
 }
 
@@ -144,9 +148,30 @@ fn words_may_stand_in_any_order() {
 }
 
 #[test]
-fn a_line_has_a_thousand_bytes() {
-    let longest = format!("G0 X1;{}", "c".repeat(994));
-    assert_eq!(longest.len(), 1000);
+fn the_words_of_a_line_have_a_thousand_bytes() {
+    let longest = format!("G0 X{}1", "0".repeat(996));
     assert_eq!(run(&longest).1.len(), 1);
-    assert!(refused(&format!("{longest}c")).reason.contains("1,000"));
+    assert!(
+        refused(&longest.replace("X0", "X00"))
+            .reason
+            .contains("1,000")
+    );
+    assert_eq!(run(&format!("G0 X1;{}", "c".repeat(5000))).1.len(), 1);
+}
+
+/// Lines for a controller are named as such.
+#[test]
+fn lines_of_senders_are_named() {
+    for text in [
+        "$H",
+        "$$",
+        "?",
+        "!",
+        "~",
+        "$J=G91 X1 F100",
+        " $X",
+        "$30=1000",
+    ] {
+        assert!(refused(text).reason.contains("`trirrr grbl`"), "{text}");
+    }
 }

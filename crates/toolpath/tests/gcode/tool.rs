@@ -87,3 +87,44 @@ fn a_turn_on_the_spot_is_like_a_dwell() {
 fn the_tool_is_off_in_a_pause() {
     assert_eq!(tools("G1 F60 M3 S100 X1 M0"), [constant(0.1), None]);
 }
+
+/// The first tool is mounted; for another one the program waits, and says for which.
+#[test]
+fn tools_are_changed_by_the_user() {
+    use trirrr_toolpath::gcode::elements;
+    use trirrr_toolpath::{Act, PathRemark};
+    for (text, waits) in [
+        ("T1 M6\nG1 X1 F60", &[][..]),
+        ("M6 T201\nG1 X1 F60\nM6 T201", &[]),
+        ("T2\nG1 X1 F60", &[]),
+        ("M6\nT0 M6\nG1 X1 F60\nM6 T0", &[]),
+        (
+            "T4 M6\nG1 X1 F60\nT5 M6 (6 mm end mill)\nX2\nT5 M6",
+            &[(3, "change to tool 5 (6 mm end mill)")],
+        ),
+        (
+            "G1 T1 X1 F60\n; a fine pen\nN5 M6 T2\nX2\nM6 T1",
+            &[
+                (3, "change to tool 2 (a fine pen)"),
+                (5, "change to tool 1"),
+            ],
+        ),
+    ] {
+        let mut file = elements(text.as_bytes(), GcodeSetup::default());
+        let pauses = file
+            .by_ref()
+            .map(Result::unwrap)
+            .filter(|each| each.act == Act::Pause);
+        let lines: Vec<u32> = pauses.map(|each| each.line).collect();
+        assert_eq!(
+            lines,
+            waits.iter().map(|(line, _)| *line).collect::<Vec<_>>(),
+            "{text}"
+        );
+        let told = waits
+            .iter()
+            .map(|(line, text)| PathRemark::new(*line, *text));
+        assert_eq!(file.remarks().remarks, told.collect::<Vec<_>>());
+    }
+    assert_eq!(refused("T1.5").word, "T1.5");
+}

@@ -1,24 +1,29 @@
 //! Colours and layers of DXF.
 
+use super::names::Names;
 use crate::drawing::Rgb;
 use dxf::entities::EntityCommon;
 use dxf::tables::Layer;
 
 /// Look of a layer.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct LayerLook {
-    /// It is on, and plotted.
+    /// It is on, plotted, and not frozen.
     pub(super) shows: bool,
     pub(super) colour: Option<Rgb>,
+    /// Name of its line type.
+    pub(super) line_type: String,
 }
 
-/// Name and look of a layer.
-pub(super) fn layer_look(layer: &Layer) -> (String, LayerLook) {
+/// Name, in small letters, and look of a layer.
+pub(super) fn layer_look(layer: &Layer, names: &Names) -> (String, LayerLook) {
+    let name = layer.name.to_lowercase();
     let look = LayerLook {
-        shows: layer.is_layer_on && layer.is_layer_plotted,
+        shows: layer.is_layer_on && layer.is_layer_plotted && !names.frozen.contains(&name),
         colour: layer.color.index().map(indexed),
+        line_type: layer.line_type_name.clone(),
     };
-    (layer.name.clone(), look)
+    (name, look)
 }
 
 /// Colour of an entity, on a layer and in a block of such colours.

@@ -2,7 +2,7 @@
 
 use super::fault;
 use crate::PathFault;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// Entity of the file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -17,23 +17,49 @@ pub(super) struct Named {
 }
 
 impl Named {
-    /// Reason why it cannot be drawn. None: it can.
-    pub(super) fn refusal(&self) -> Option<&'static str> {
+    /// Fate of an entity of this kind.
+    pub(super) fn fate(&self) -> Fate {
         match self.name.as_str() {
-            name if DRAWN.contains(&name) => None,
+            name if DRAWN.contains(&name) => Fate::Drawn,
             "TEXT" | "MTEXT" | "ATTRIB" | "ARCALIGNEDTEXT" | "RTEXT" => {
-                Some("text has no outline; explode it to lines")
+                Fate::LeftOut("text has no outline; explode it to lines")
             }
             "HATCH" | "MPOLYGON" => {
-                Some("a hatch is no outline; take its outline, and --hatch for the lines")
+                Fate::LeftOut("a hatch is no outline; take its outline, and --hatch for the lines")
             }
-            "DIMENSION" | "LEADER" | "MULTILEADER" | "TOLERANCE" => Some(
-                "dimensions are not drawn; leave out their layer by --pen NAME=off, or explode them",
+            "DIMENSION"
+            | "ARC_DIMENSION"
+            | "LARGE_RADIAL_DIMENSION"
+            | "LEADER"
+            | "MULTILEADER"
+            | "MLEADER"
+            | "TOLERANCE"
+            | "ACAD_TABLE" => Fate::LeftOut("dimensions are not drawn; explode them"),
+            "POINT" => Fate::LeftOut("a point has no length; draw a small circle"),
+            "3DFACE" | "REGION" | "BODY" | "3DSOLID" | "SURFACE" | "PLANESURFACE"
+            | "EXTRUDEDSURFACE" | "LOFTEDSURFACE" | "REVOLVEDSURFACE" | "SWEPTSURFACE" | "MESH"
+            | "WIPEOUT" => {
+                Fate::LeftOut("surfaces cannot be drawn; explode them to lines and arcs")
+            }
+            "XLINE" | "RAY" => Fate::LeftOut("a line without an end cannot be drawn"),
+            "IMAGE" | "PDFUNDERLAY" | "DWFUNDERLAY" | "DGNUNDERLAY" | "OLEFRAME" | "OLE2FRAME"
+            | "VIEWPORT" | "LIGHT" | "SUN" => Fate::LeftOut("images are not drawn"),
+            _ => Fate::Refused(
+                "entities of this kind cannot be drawn; explode them to lines and arcs",
             ),
-            "POINT" => Some("a point has no length; draw a small circle"),
-            _ => Some("entities of this kind cannot be drawn; explode them to lines and arcs"),
         }
     }
+}
+
+/// Fate of a kind of entities, and its reason.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Fate {
+    /// It is drawn.
+    Drawn,
+    /// It is no line, and is left out where lines are drawn. The user is told.
+    LeftOut(&'static str),
+    /// It may be a line: the file is refused, unless the user has it left out.
+    Refused(&'static str),
 }
 
 /// Kinds of entities that are drawn.
@@ -60,7 +86,12 @@ pub(super) struct Names {
     pub(super) entities: Vec<Named>,
     /// Those of blocks, by the names of the blocks.
     pub(super) blocks: HashMap<String, Vec<Named>>,
+    /// Layers that are frozen, in small letters.
+    pub(super) frozen: HashSet<String>,
 }
+
+/// Flag of a layer that is frozen.
+const FROZEN: i64 = 1;
 
 /// Place of the reading.
 enum At {
@@ -71,6 +102,9 @@ enum At {
     Blocks,
     /// In a block, whose name may still be to come.
     Block(Option<String>),
+    Tables,
+    /// In a layer of the tables: its name, and whether it is frozen.
+    Layer(String, bool),
 }
 
 impl Names {
@@ -96,12 +130,22 @@ impl Names {
                 .next()
                 .ok_or_else(|| damaged("no DXF file: it ends behind a code"))?;
             let value = value.trim();
+            if let (0, At::Layer(name, true)) = (code, &at) {
+                names.frozen.insert(name.to_lowercase());
+            }
             match (code, value, &mut at) {
                 (0, "EOF", _) => break,
                 (0, "SECTION", _) => at = At::Section,
                 (0, "ENDSEC", _) => at = At::Elsewhere,
                 (2, "ENTITIES", At::Section) => at = At::Entities,
                 (2, "BLOCKS", At::Section) => at = At::Blocks,
+                (2, "TABLES", At::Section) => at = At::Tables,
+                (0, "LAYER", At::Tables | At::Layer(..)) => at = At::Layer(String::new(), false),
+                (0, _, At::Layer(..)) => at = At::Tables,
+                (2, _, At::Layer(name, _)) => *name = value.to_owned(),
+                (70, _, At::Layer(_, frozen)) => {
+                    *frozen = value.parse::<i64>().is_ok_and(|flags| flags & FROZEN != 0);
+                }
                 (2, _, At::Section) => at = At::Elsewhere,
                 (0, "BLOCK", At::Blocks) => (at, in_entity) = (At::Block(None), false),
                 (0, "ENDBLK", At::Block(_)) => at = At::Blocks,

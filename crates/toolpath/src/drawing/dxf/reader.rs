@@ -2,15 +2,16 @@
 
 use super::colour::{LayerLook, colour};
 use super::curves::{Outline, sweep};
-use super::fault;
-use super::names::{Named, Names};
+use super::fit::FitCurve;
+use super::names::{Fate, Named, Names};
 use super::place::Affine;
 use super::spline::Nurbs;
+use super::{DxfChoices, fault};
 use crate::PathFault;
 use crate::drawing::{Drawing, Rgb, Shape, Stroke};
 use dxf::entities::{Ellipse, Entity, EntityType, Insert, Polyline};
 use dxf::{Point, Vector};
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::TAU;
 
 /// Deepest nesting of blocks.
@@ -19,19 +20,31 @@ const DEPTH_MAX: u32 = 16;
 /// Most strokes of a file, with all copies of its blocks.
 const STROKES_MAX: usize = 1_000_000;
 
-/// Largest size of a coordinate in the drawing, m.
-const LARGEST_M: f64 = 1e3;
+/// Largest size of a coordinate, m: a drawing that is too large is told its size.
+const LARGEST_M: f64 = 1e15;
 
 /// Flag of a vertex that only shapes a fitted curve.
 const CONTROL_VERTEX: i32 = 16;
 
 /// Reader of a file.
-pub(super) struct Reader<'f, F> {
+pub(super) struct Reader<'f> {
     pub(super) file: &'f dxf::Drawing,
     pub(super) names: &'f Names,
     pub(super) layers: HashMap<String, LayerLook>,
-    pub(super) left_out: &'f F,
+    pub(super) choices: &'f DxfChoices,
     pub(super) drawing: Drawing,
+    pub(super) told: Told,
+}
+
+/// Entities that a user has to know of: their kinds, each with the number of them and the line of the first one.
+#[derive(Debug, Default)]
+pub(super) struct Told {
+    /// Entities that are no lines, with the reason.
+    pub(super) left_out: BTreeMap<String, (usize, u32, &'static str)>,
+    /// Strokes of line types with gaps, by the names of the types.
+    pub(super) dashed: BTreeMap<String, (usize, u32)>,
+    /// Entities without a length.
+    pub(super) points: (usize, u32),
 }
 
 /// Place of entities: the drawing itself, or a copy of a block.
@@ -56,7 +69,7 @@ impl Frame {
     }
 }
 
-impl<F: Fn(&str) -> bool> Reader<'_, F> {
+impl Reader<'_> {
     /// Adds what is drawn of `entities`, which the file has at `named`.
     ///
     /// # Errors
@@ -73,14 +86,22 @@ impl<F: Fn(&str) -> bool> Reader<'_, F> {
                 Some(layer) if named.layer == "0" => layer.as_str(),
                 _ => named.layer.as_str(),
             };
-            let look = self.layers.get(layer).copied();
+            let look = self.layers.get(&layer.to_lowercase());
             let shows = look.is_none_or(|look| look.shows);
-            let seen = shows && !named.hidden && !(self.left_out)(layer);
-            if let Some(reason) = named.refusal() {
-                match seen {
+            let seen = shows && !named.hidden && !self.choices.leaves_out(layer, &named.name);
+            match named.fate() {
+                Fate::Drawn => {}
+                Fate::LeftOut(reason) => {
+                    if seen {
+                        let kind = self.told.left_out.entry(named.name.clone());
+                        kind.or_insert((0, named.line, reason)).0 += 1;
+                    }
+                    continue;
+                }
+                Fate::Refused(reason) => match seen {
                     true => return Err(fault(named.line, &named.name, reason)),
                     false => continue,
-                }
+                },
             }
             let Some(entity) = entities.next() else {
                 return Err(fault(
@@ -93,6 +114,19 @@ impl<F: Fn(&str) -> bool> Reader<'_, F> {
                 continue;
             }
             let layer_colour = look.and_then(|look| look.colour);
+            let line_type = match entity.common.line_type_name.as_str() {
+                own if own.is_empty() || own.eq_ignore_ascii_case("BYLAYER") => {
+                    look.map_or("", |look| &look.line_type)
+                }
+                own => own,
+            };
+            let is_whole = ["", "CONTINUOUS", "BYBLOCK"]
+                .iter()
+                .any(|whole| line_type.eq_ignore_ascii_case(whole));
+            if !is_whole && !matches!(entity.specific, EntityType::Insert(_)) {
+                let kind = self.told.dashed.entry(line_type.to_owned());
+                kind.or_insert((0, named.line)).0 += 1;
+            }
             let colour = colour(&entity.common, layer_colour, frame.colour);
             match &entity.specific {
                 EntityType::Insert(insert) => self.insert(insert, named, (layer, colour), frame)?,
@@ -111,7 +145,8 @@ impl<F: Fn(&str) -> bool> Reader<'_, F> {
         frame: &Frame,
     ) -> Result<(), PathFault> {
         let refused = |reason: &str| fault(named.line, &named.name, reason);
-        let block = self.file.blocks().find(|block| block.name == insert.name);
+        let named_so = |name: &str| name.to_lowercase() == insert.name.to_lowercase();
+        let block = self.file.blocks().find(|block| named_so(&block.name));
         let block =
             block.ok_or_else(|| refused(&format!("there is no block {:?}", insert.name)))?;
         if frame.depth == DEPTH_MAX {
@@ -167,17 +202,22 @@ impl<F: Fn(&str) -> bool> Reader<'_, F> {
     ) -> Result<(), PathFault> {
         let flat = |normal: &Vector| Ok(frame.place.after(&facing(normal, named)?));
         let (start, curves) = match entity {
-            EntityType::Line(line) => polygon(&frame.place, &[&line.p1, &line.p2], false),
+            EntityType::Line(line) => {
+                level(&[&line.p1, &line.p2], named)?;
+                polygon(&frame.place, &[&line.p1, &line.p2], false)
+            }
             EntityType::Solid(each) => quadrangle(
                 &flat(&each.extrusion_direction)?,
                 [&each.first_corner, &each.second_corner],
                 [&each.third_corner, &each.fourth_corner],
-            ),
+                named,
+            )?,
             EntityType::Trace(each) => quadrangle(
                 &flat(&each.extrusion_direction)?,
                 [&each.first_corner, &each.second_corner],
                 [&each.third_corner, &each.fourth_corner],
-            ),
+                named,
+            )?,
             EntityType::Arc(arc) => {
                 let [from, to] = [arc.start_angle, arc.end_angle].map(f64::to_radians);
                 round(
@@ -207,6 +247,17 @@ impl<F: Fn(&str) -> bool> Reader<'_, F> {
                 polyline(&flat(&line.normal)?, vertices, is_closed)
             }
             EntityType::Spline(spline) => {
+                let points = spline.control_points.iter().chain(&spline.fit_points);
+                level(&points.collect::<Vec<_>>(), named)?;
+                if spline.control_points.is_empty() && !spline.fit_points.is_empty() {
+                    let [first, last] = [&spline.start_tangent, &spline.end_tangent].map(xy);
+                    let points = spline.fit_points.iter().map(xy);
+                    let curve =
+                        FitCurve::new(points, spline.is_closed(), [Some(first), Some(last)]);
+                    let mut chain = Outline::new(&frame.place, curve.start());
+                    curve.add_to(&mut chain);
+                    return self.stroke((chain.start, chain.curves), named, layer, colour);
+                }
                 let nurbs = Nurbs::new(spline, named.line)?;
                 let mut chain = Outline::new(&frame.place, nurbs.start());
                 nurbs.add_to(&mut chain);
@@ -214,18 +265,33 @@ impl<F: Fn(&str) -> bool> Reader<'_, F> {
             }
             _ => return Ok(()),
         };
+        self.stroke((start, curves), named, layer, colour)
+    }
+
+    /// Adds a stroke.
+    fn stroke(
+        &mut self,
+        (start, curves): Course,
+        named: &Named,
+        layer: &str,
+        colour: Option<Rgb>,
+    ) -> Result<(), PathFault> {
         let stroke = Stroke {
             shape: self.drawing.shapes.len(),
             colour,
             start,
             curves,
         };
-        if stroke.curves.is_empty() {
-            return Ok(());
-        }
         if !stroke.is_within(LARGEST_M) {
-            let reason = format!("it has a coordinate that is no number, or beyond {LARGEST_M} m");
-            return Err(fault(named.line, &named.name, &reason));
+            let reason = "it has a coordinate that is no number, or beyond all drawings";
+            return Err(fault(named.line, &named.name, reason));
+        }
+        if stroke.curves.is_empty() {
+            if self.told.points.0 == 0 {
+                self.told.points.1 = named.line;
+            }
+            self.told.points.0 += 1;
+            return Ok(());
         }
         self.drawing.shapes.push(Shape {
             name: format!("{} in line {}", named.name, named.line),
@@ -236,7 +302,7 @@ impl<F: Fn(&str) -> bool> Reader<'_, F> {
     }
 }
 
-/// Returns true for the kinds of [`Named::refusal`] that are drawn.
+/// Returns true for the kinds that are drawn, as [`Fate`] has them.
 fn is_drawn(entity: &EntityType) -> bool {
     matches!(
         entity,
@@ -263,13 +329,31 @@ fn facing(normal: &Vector, named: &Named) -> Result<Affine, PathFault> {
     match flat {
         true if normal.z > 0.0 => Ok(Affine::scale(1.0)),
         true if normal.z < 0.0 => Ok(Affine::mirror_x()),
-        _ => Err(fault(
-            named.line,
-            &named.name,
-            "it is tilted out of the plane of x and y; draw it flat",
-        )),
+        _ => Err(fault(named.line, &named.name, TILTED)),
     }
 }
+
+/// Refuses points that do not lie at one height, by more than a millionth of their distance.
+fn level(points: &[&Point], named: &Named) -> Result<(), PathFault> {
+    let spread = |value: fn(&Point) -> f64| {
+        let values = points.iter().map(|point| value(point));
+        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
+            (low.min(value), high.max(value))
+        });
+        high - low
+    };
+    let [x, y, z] = [
+        spread(|point| point.x),
+        spread(|point| point.y),
+        spread(|point| point.z),
+    ];
+    match z > 1e-6 * x.max(y).max(z) {
+        true => Err(fault(named.line, &named.name, TILTED)),
+        false => Ok(()),
+    }
+}
+
+const TILTED: &str = "it is tilted out of the plane of x and y; draw it flat";
 
 /// Start and curves of a stroke.
 type Course = ([f64; 2], Vec<crate::drawing::StrokeCurve>);
@@ -280,8 +364,15 @@ fn polygon(place: &Affine, corners: &[&Point], is_closed: bool) -> Course {
 }
 
 /// Outline of a solid: the file has its corners side by side, from below and from above.
-fn quadrangle(place: &Affine, below: [&Point; 2], above: [&Point; 2]) -> Course {
-    polygon(place, &[below[0], below[1], above[1], above[0]], true)
+fn quadrangle(
+    place: &Affine,
+    below: [&Point; 2],
+    above: [&Point; 2],
+    named: &Named,
+) -> Result<Course, PathFault> {
+    let corners = [below[0], below[1], above[1], above[0]];
+    level(&corners, named)?;
+    Ok(polygon(place, &corners, true))
 }
 
 /// Line through vertices, each with the bulge of the way behind it.
@@ -312,6 +403,10 @@ fn round(place: &Affine, centre: &Point, radius: f64, [from, turn]: [f64; 2]) ->
 
 fn ellipse(place: &Affine, part: &Ellipse, named: &Named) -> Result<Course, PathFault> {
     facing(&part.normal, named)?;
+    let size = part.major_axis.x.abs().max(part.major_axis.y.abs());
+    if part.major_axis.z.abs() > 1e-6 * size {
+        return Err(fault(named.line, &named.name, TILTED));
+    }
     let along = [part.major_axis.x, part.major_axis.y];
     let ratio = part.minor_axis_ratio * part.normal.z.signum();
     let across = [-ratio * along[1], ratio * along[0]];
@@ -329,10 +424,14 @@ fn vertices(line: &Polyline, named: &Named) -> Result<Vec<([f64; 2], f64)>, Path
         let reason = "a mesh of surfaces is no line; explode it";
         return Err(fault(named.line, &named.name, reason));
     }
-    let shown = line
+    let shown: Vec<_> = line
         .vertices()
-        .filter(|vertex| vertex.flags & CONTROL_VERTEX == 0);
+        .filter(|vertex| vertex.flags & CONTROL_VERTEX == 0)
+        .collect();
+    let places: Vec<&Point> = shown.iter().map(|vertex| &vertex.location).collect();
+    level(&places, named)?;
     Ok(shown
+        .iter()
         .map(|vertex| (xy(&vertex.location), vertex.bulge))
         .collect())
 }

@@ -28,11 +28,6 @@ impl<'s> Nurbs<'s> {
     pub(super) fn new(spline: &'s dxf::entities::Spline, line: u32) -> Result<Self, PathFault> {
         let (knots, count) = (&spline.knot_values, spline.control_points.len());
         let refused = |reason| Err(fault(line, "SPLINE", reason));
-        if count == 0 && !spline.fit_points.is_empty() {
-            return refused(
-                "it has fit points alone; save it with control points, or as a polyline",
-            );
-        }
         let degree = usize::try_from(spline.degree_of_curve).unwrap_or(0);
         if !(1..=DEGREE_MAX).contains(&degree) || count <= degree {
             return refused("degree and number of control points make no spline");
