@@ -2,7 +2,7 @@
 
 /// Kind of a file that is not read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Dialect {
+pub(super) struct ForeignDialect {
     /// Name of the dialect or format, with its users.
     pub(super) name: &'static str,
     /// Way to a file that is read.
@@ -14,30 +14,30 @@ pub(super) const LOOKED_AT: u32 = 200;
 
 const GRBL: &str = "save the program for GRBL or LinuxCNC";
 
-const MARLIN: Dialect = dialect("G-code of 3D printers (Marlin)", GRBL);
-const REPRAP: Dialect = dialect("G-code of 3D printers (RepRap)", GRBL);
-const KLIPPER: Dialect = dialect("G-code of 3D printers (Klipper)", GRBL);
-const HEIDENHAIN: Dialect = dialect("a program for Heidenhain controls", GRBL);
-const SINUMERIK: Dialect = dialect("a program for Siemens controls (Sinumerik)", GRBL);
-const HPGL: Dialect = dialect("HPGL, for plotters", "save the drawing as SVG or DXF");
-const GERBER: Dialect = dialect(
+const MARLIN: ForeignDialect = dialect("G-code of 3D printers (Marlin)", GRBL);
+const REPRAP: ForeignDialect = dialect("G-code of 3D printers (RepRap)", GRBL);
+const KLIPPER: ForeignDialect = dialect("G-code of 3D printers (Klipper)", GRBL);
+const HEIDENHAIN: ForeignDialect = dialect("a program for Heidenhain controls", GRBL);
+const SINUMERIK: ForeignDialect = dialect("a program for Siemens controls (Sinumerik)", GRBL);
+const HPGL: ForeignDialect = dialect("HPGL, for plotters", "save the drawing as SVG or DXF");
+const GERBER: ForeignDialect = dialect(
     "a Gerber file",
     "make G-code of it by a program such as FlatCAM",
 );
-const EXCELLON: Dialect = dialect(
+const EXCELLON: ForeignDialect = dialect(
     "a drill file (Excellon)",
     "make G-code of it by a program such as FlatCAM",
 );
-const POSTSCRIPT: Dialect = dialect("PostScript or PDF", "save the drawing as SVG or DXF");
-const XML: Dialect = dialect("XML", "name a drawing .svg");
-const IMAGE: Dialect = dialect("an image or an archive", "images are .png, .jpg or .bmp");
+const POSTSCRIPT: ForeignDialect = dialect("PostScript or PDF", "save the drawing as SVG or DXF");
+const XML: ForeignDialect = dialect("XML", "name a drawing .svg");
+const IMAGE: ForeignDialect = dialect("an image or an archive", "images are .png, .jpg or .bmp");
 
-const fn dialect(name: &'static str, remedy: &'static str) -> Dialect {
-    Dialect { name, remedy }
+const fn dialect(name: &'static str, remedy: &'static str) -> ForeignDialect {
+    ForeignDialect { name, remedy }
 }
 
 /// First words of files, with their formats.
-const HEADS: [(&str, Dialect); 15] = [
+const HEADS: [(&str, ForeignDialect); 15] = [
     ("GIF8", IMAGE),
     ("\u{89}PNG", IMAGE),
     ("PK\u{3}\u{4}", IMAGE),
@@ -62,8 +62,8 @@ const PRINTERS_M: [u32; 24] = [
 ];
 const REPRAP_M: [u32; 6] = [110, 111, 563, 569, 574, 906];
 
-/// Dialect that a line tells, and the words by which it does.
-pub(super) fn told_by(text: &str) -> Option<(Dialect, &str)> {
+/// ForeignDialect that a line tells, and the words by which it does.
+pub(super) fn told_by(text: &str) -> Option<(ForeignDialect, &str)> {
     let line = text.trim_start_matches('\u{feff}').trim();
     let upper = line.to_ascii_uppercase();
     let head = HEADS
@@ -79,7 +79,7 @@ pub(super) fn told_by(text: &str) -> Option<(Dialect, &str)> {
 }
 
 /// Slicers sign their programs in a comment.
-fn by_comment<'t>(line: &'t str, upper: &str) -> Option<(Dialect, &'t str)> {
+fn by_comment<'t>(line: &'t str, upper: &str) -> Option<(ForeignDialect, &'t str)> {
     let comment = upper.starts_with(';').then(|| line[1..].trim())?;
     let upper = upper[1..].trim_start();
     let dialect = match () {
@@ -106,7 +106,7 @@ fn by_comment<'t>(line: &'t str, upper: &str) -> Option<(Dialect, &'t str)> {
     Some((dialect, comment))
 }
 
-fn by_words<'t>(words: &'t str, upper: &str, line: &'t str) -> Option<(Dialect, &'t str)> {
+fn by_words<'t>(words: &'t str, upper: &str, line: &'t str) -> Option<(ForeignDialect, &'t str)> {
     let numbered = words
         .trim_start_matches(|c: char| c.is_ascii_digit())
         .trim_start();

@@ -1,7 +1,7 @@
 //! Elements of a file, read as they are asked for.
-use super::dialect::{Dialect, LOOKED_AT, told_by};
+use super::dialect::{ForeignDialect, LOOKED_AT, told_by};
 use super::interpreter::Interpreter;
-use super::lines::Lines;
+use super::lines::FileLines;
 use super::setup::{GcodeSetup, ZWords};
 use super::state::ProgramFacts;
 use crate::{Element, PathFault, PathRemark, short};
@@ -15,7 +15,7 @@ use std::io::BufRead;
 /// An item is a refusal if its line is refused, cannot be read, is no text, or has words of more than 1,000 bytes.
 pub fn elements<R: BufRead>(reader: R, setup: GcodeSetup) -> GcodeFile<R> {
     GcodeFile {
-        lines: Lines::new(reader),
+        lines: FileLines::new(reader),
         z: setup.z,
         interpreter: Interpreter::new(setup),
         line: 0,
@@ -30,13 +30,13 @@ pub fn elements<R: BufRead>(reader: R, setup: GcodeSetup) -> GcodeFile<R> {
 /// Iterator over the elements of a file. See [`elements`].
 #[derive(Debug)]
 pub struct GcodeFile<R> {
-    lines: Lines<R>,
+    lines: FileLines<R>,
     interpreter: Interpreter,
     /// Number of the last line that was read, and the line.
     line: u32,
     text: String,
     /// Another dialect, with the line and the words that have told it.
-    told: Option<(Dialect, u32, String)>,
+    told: Option<(ForeignDialect, u32, String)>,
     remarks: Vec<PathRemark>,
     z: ZWords,
     /// Elements of that line that are still to be handed out.
@@ -129,7 +129,7 @@ impl<R: BufRead> GcodeFile<R> {
     /// A refusal, with the dialect of the file, where it has another one.
     fn refused(&mut self, mut fault: PathFault) -> PathFault {
         self.look();
-        if let Some((Dialect { name, remedy }, line, word)) = &self.told {
+        if let Some((ForeignDialect { name, remedy }, line, word)) = &self.told {
             let told = format!("the file is {name}, by {word:?} in line {line}: {remedy}");
             fault.reason = match *line == fault.line {
                 true => told,

@@ -1,4 +1,4 @@
-//! Lines of a file, from its bytes: ends of every kind, text in eight bits or in UTF-16, comments of any length.
+//! FileLines of a file, from its bytes: ends of every kind, text in eight bits or in UTF-16, comments of any length.
 use super::text::{LONGEST, TOO_LONG};
 use std::io::{self, BufRead};
 
@@ -10,7 +10,7 @@ const END_OF_TEXT: u8 = 0x1a;
 
 /// Reader of lines, in constant memory.
 #[derive(Debug)]
-pub(super) struct Lines<R> {
+pub(super) struct FileLines<R> {
     reader: R,
     form: Option<TextForm>,
     /// Bytes of a character of UTF-16 that are still to be handed out, the next one last.
@@ -48,14 +48,14 @@ impl LineFault {
 
 /// Place in a line, as comments divide it.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum In {
+enum LinePlace {
     Words,
     Parentheses,
     /// Behind a semicolon.
     Rest,
 }
 
-impl In {
+impl LinePlace {
     fn behind(self, byte: u8) -> Self {
         match (self, byte) {
             (Self::Words, b'(') => Self::Parentheses,
@@ -66,7 +66,7 @@ impl In {
     }
 }
 
-impl<R: BufRead> Lines<R> {
+impl<R: BufRead> FileLines<R> {
     pub(super) fn new(reader: R) -> Self {
         Self {
             reader,
@@ -106,7 +106,7 @@ impl<R: BufRead> Lines<R> {
             self.empty -= 1;
             return Ok(true);
         }
-        let (mut place, mut words, mut comments) = (In::Words, 0, 0);
+        let (mut place, mut words, mut comments) = (LinePlace::Words, 0, 0);
         let mut is_first = true;
         loop {
             let Some(byte) = self.byte()? else {
@@ -133,15 +133,15 @@ impl<R: BufRead> Lines<R> {
             }
             place = place.behind(byte);
             let (count, most) = match place {
-                In::Words => (&mut words, LONGEST + 100),
+                LinePlace::Words => (&mut words, LONGEST + 100),
                 _ => (&mut comments, COMMENT_MOST),
             };
             *count += 1;
             match *count > most {
                 false => line.push(byte),
-                true if place == In::Words => return Err(LineFault::TooLong),
+                true if place == LinePlace::Words => return Err(LineFault::TooLong),
                 // The rest of a long comment is left out, but for what the interpreter refuses.
-                true if byte == b'(' && place == In::Parentheses => line.push(byte),
+                true if byte == b'(' && place == LinePlace::Parentheses => line.push(byte),
                 true => {}
             }
         }
@@ -272,9 +272,9 @@ impl<R: BufRead> Lines<R> {
 
 /// First byte above 127 outside of comments.
 fn foreign(bytes: &[u8]) -> Option<usize> {
-    let mut place = In::Words;
+    let mut place = LinePlace::Words;
     bytes.iter().position(|byte| {
         place = place.behind(*byte);
-        place == In::Words && !byte.is_ascii()
+        place == LinePlace::Words && !byte.is_ascii()
     })
 }

@@ -63,11 +63,11 @@ impl FitCurve {
     }
 }
 
-/// Row of a system with three diagonals: before, own, behind, and the right side.
-type Row = ([f64; 3], [f64; 2]);
+/// SlopeRow of a system with three diagonals: before, own, behind, and the right side.
+type SlopeRow = ([f64; 3], [f64; 2]);
 
 /// Condition at a point between two chords: the second derivative has no step.
-fn between(before: [f64; 2], at: [f64; 2], behind: [f64; 2]) -> Row {
+fn between(before: [f64; 2], at: [f64; 2], behind: [f64; 2]) -> SlopeRow {
     let (h, k) = (distance(before, at), distance(at, behind));
     let side = [0, 1]
         .map(|axis| 3.0 * (k * (at[axis] - before[axis]) / h + h * (behind[axis] - at[axis]) / k));
@@ -97,7 +97,7 @@ fn open_slopes(points: &[[f64; 2]], [first, last]: [Option<[f64; 2]>; 2]) -> Vec
 
 fn closed_slopes(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let count = points.len();
-    let mut rows: Vec<Row> = (0..count)
+    let mut rows: Vec<SlopeRow> = (0..count)
         .map(|index| {
             let before = points[(index + count - 1) % count];
             between(before, points[index], points[(index + 1) % count])
@@ -132,13 +132,13 @@ fn closed_slopes(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 }
 
 /// Solves a system with three diagonals, the middle of which is the greatest.
-fn solve(mut rows: Vec<Row>) -> Vec<[f64; 2]> {
+fn solve(mut rows: Vec<SlopeRow>) -> Vec<[f64; 2]> {
     for index in 1..rows.len() {
         let ([_, own, behind], side) = rows[index - 1];
         let part = rows[index].0[0] / own;
         rows[index].0[1] -= part * behind;
-        for axis in 0..2 {
-            rows[index].1[axis] -= part * side[axis];
+        for (own, before) in rows[index].1.iter_mut().zip(side) {
+            *own -= part * before;
         }
     }
     let mut found = vec![[0.0; 2]; rows.len()];

@@ -1,6 +1,7 @@
 //! DXF files, as CAD programs write them.
 
 mod colour;
+mod courses;
 mod curves;
 mod fit;
 mod names;
@@ -17,7 +18,7 @@ use colour::layer_look;
 use encoding_rs::UTF_8;
 use names::Names;
 use place::Affine;
-use reader::{Frame, Reader, Told};
+use reader::{Frame, Reader, ToldEntities};
 use std::collections::HashMap;
 use std::io::Cursor;
 use text::{text_of, with_heights};
@@ -72,7 +73,7 @@ pub fn read_dxf(bytes: &[u8], choices: &DxfChoices) -> Result<Drawing, PathFault
     let file = dxf::Drawing::load_with_encoding(&mut Cursor::new(padded.as_bytes()), UTF_8)
         .map_err(|error| fault(0, "", &format!("no DXF file: {error}")))?;
     let unit = match choices.unit_m {
-        Some(length_m) => Unit {
+        Some(length_m) => FileUnit {
             length_m,
             origin: "by --unit",
         },
@@ -85,7 +86,7 @@ pub fn read_dxf(bytes: &[u8], choices: &DxfChoices) -> Result<Drawing, PathFault
         layers: layers.collect(),
         choices,
         drawing: Drawing::default(),
-        told: Told::default(),
+        told: ToldEntities::default(),
     };
     let whole = Frame::whole(Affine::scale(unit.length_m));
     reader.add(file.entities(), &names.entities, &whole)?;
@@ -111,7 +112,7 @@ pub fn read_dxf(bytes: &[u8], choices: &DxfChoices) -> Result<Drawing, PathFault
 }
 
 /// Refuses a drawing that no workshop has room for: its unit is another one.
-fn check_size(drawing: &Drawing, unit: &Unit) -> Result<(), PathFault> {
+fn check_size(drawing: &Drawing, unit: &FileUnit) -> Result<(), PathFault> {
     let Some([low, high]) = drawing.bounds_m() else {
         return Ok(());
     };
@@ -158,7 +159,7 @@ fn length(metres: f64) -> String {
     }
 }
 
-impl Told {
+impl ToldEntities {
     /// Refusal of a file in which nothing is drawn: the first entity that is no line.
     fn nothing(&self) -> PathFault {
         let first = self.left_out.iter().min_by_key(|(_, (_, line, _))| *line);
@@ -215,19 +216,19 @@ pub(super) fn fault(line: u32, word: &str, reason: &str) -> PathFault {
     }
 }
 
-/// Unit of a drawing.
-struct Unit {
+/// FileUnit of a drawing.
+struct FileUnit {
     length_m: f64,
     /// Words for where it is from.
     origin: &'static str,
 }
 
-/// Unit that the file names.
-fn unit_of(unit: dxf::enums::Units) -> Result<Unit, PathFault> {
+/// FileUnit that the file names.
+fn unit_of(unit: dxf::enums::Units) -> Result<FileUnit, PathFault> {
     use dxf::enums::Units as U;
     let length_m = match unit {
         U::Unitless => {
-            return Ok(Unit {
+            return Ok(FileUnit {
                 length_m: 1e-3,
                 origin: "as the file names none",
             });
@@ -253,7 +254,7 @@ fn unit_of(unit: dxf::enums::Units) -> Result<Unit, PathFault> {
             return Err(fault(0, "$INSUNITS", &reason));
         }
     };
-    Ok(Unit {
+    Ok(FileUnit {
         length_m,
         origin: "by $INSUNITS of the file",
     })

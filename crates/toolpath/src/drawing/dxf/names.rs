@@ -17,16 +17,16 @@ pub(super) struct Named {
 }
 
 impl Named {
-    /// Fate of an entity of this kind.
-    pub(super) fn fate(&self) -> Fate {
+    /// EntityFate of an entity of this kind.
+    pub(super) fn fate(&self) -> EntityFate {
         match self.name.as_str() {
-            name if DRAWN.contains(&name) => Fate::Drawn,
+            name if DRAWN.contains(&name) => EntityFate::Drawn,
             "TEXT" | "MTEXT" | "ATTRIB" | "ARCALIGNEDTEXT" | "RTEXT" => {
-                Fate::LeftOut("text has no outline; explode it to lines")
+                EntityFate::LeftOut("text has no outline; explode it to lines")
             }
-            "HATCH" | "MPOLYGON" => {
-                Fate::LeftOut("a hatch is no outline; take its outline, and --hatch for the lines")
-            }
+            "HATCH" | "MPOLYGON" => EntityFate::LeftOut(
+                "a hatch is no outline; take its outline, and --hatch for the lines",
+            ),
             "DIMENSION"
             | "ARC_DIMENSION"
             | "LARGE_RADIAL_DIMENSION"
@@ -34,26 +34,26 @@ impl Named {
             | "MULTILEADER"
             | "MLEADER"
             | "TOLERANCE"
-            | "ACAD_TABLE" => Fate::LeftOut("dimensions are not drawn; explode them"),
-            "POINT" => Fate::LeftOut("a point has no length; draw a small circle"),
+            | "ACAD_TABLE" => EntityFate::LeftOut("dimensions are not drawn; explode them"),
+            "POINT" => EntityFate::LeftOut("a point has no length; draw a small circle"),
             "3DFACE" | "REGION" | "BODY" | "3DSOLID" | "SURFACE" | "PLANESURFACE"
             | "EXTRUDEDSURFACE" | "LOFTEDSURFACE" | "REVOLVEDSURFACE" | "SWEPTSURFACE" | "MESH"
             | "WIPEOUT" => {
-                Fate::LeftOut("surfaces cannot be drawn; explode them to lines and arcs")
+                EntityFate::LeftOut("surfaces cannot be drawn; explode them to lines and arcs")
             }
-            "XLINE" | "RAY" => Fate::LeftOut("a line without an end cannot be drawn"),
+            "XLINE" | "RAY" => EntityFate::LeftOut("a line without an end cannot be drawn"),
             "IMAGE" | "PDFUNDERLAY" | "DWFUNDERLAY" | "DGNUNDERLAY" | "OLEFRAME" | "OLE2FRAME"
-            | "VIEWPORT" | "LIGHT" | "SUN" => Fate::LeftOut("images are not drawn"),
-            _ => Fate::Refused(
+            | "VIEWPORT" | "LIGHT" | "SUN" => EntityFate::LeftOut("images are not drawn"),
+            _ => EntityFate::Refused(
                 "entities of this kind cannot be drawn; explode them to lines and arcs",
             ),
         }
     }
 }
 
-/// Fate of a kind of entities, and its reason.
+/// EntityFate of a kind of entities, and its reason.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Fate {
+pub(super) enum EntityFate {
     /// It is drawn.
     Drawn,
     /// It is no line, and is left out where lines are drawn. The user is told.

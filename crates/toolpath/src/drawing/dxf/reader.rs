@@ -1,16 +1,19 @@
 //! Entities of a DXF file, as strokes of a drawing.
 
 use super::colour::{LayerLook, colour};
+use super::courses::{
+    Course, ellipse, facing, level, polygon, polyline, quadrangle, round, vertices, xy,
+};
 use super::curves::{Outline, sweep};
 use super::fit::FitCurve;
-use super::names::{Fate, Named, Names};
+use super::names::{EntityFate, Named, Names};
 use super::place::Affine;
 use super::spline::Nurbs;
 use super::{DxfChoices, fault};
 use crate::PathFault;
 use crate::drawing::{Drawing, Rgb, Shape, Stroke};
-use dxf::entities::{Ellipse, Entity, EntityType, Insert, Polyline};
-use dxf::{Point, Vector};
+use dxf::Vector;
+use dxf::entities::{Entity, EntityType, Insert};
 use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::TAU;
 
@@ -23,9 +26,6 @@ const STROKES_MAX: usize = 1_000_000;
 /// Largest size of a coordinate, m: a drawing that is too large is told its size.
 const LARGEST_M: f64 = 1e15;
 
-/// Flag of a vertex that only shapes a fitted curve.
-const CONTROL_VERTEX: i32 = 16;
-
 /// Reader of a file.
 pub(super) struct Reader<'f> {
     pub(super) file: &'f dxf::Drawing,
@@ -33,12 +33,12 @@ pub(super) struct Reader<'f> {
     pub(super) layers: HashMap<String, LayerLook>,
     pub(super) choices: &'f DxfChoices,
     pub(super) drawing: Drawing,
-    pub(super) told: Told,
+    pub(super) told: ToldEntities,
 }
 
 /// Entities that a user has to know of: their kinds, each with the number of them and the line of the first one.
 #[derive(Debug, Default)]
-pub(super) struct Told {
+pub(super) struct ToldEntities {
     /// Entities that are no lines, with the reason.
     pub(super) left_out: BTreeMap<String, (usize, u32, &'static str)>,
     /// Strokes of line types with gaps, by the names of the types.
@@ -90,15 +90,15 @@ impl Reader<'_> {
             let shows = look.is_none_or(|look| look.shows);
             let seen = shows && !named.hidden && !self.choices.leaves_out(layer, &named.name);
             match named.fate() {
-                Fate::Drawn => {}
-                Fate::LeftOut(reason) => {
+                EntityFate::Drawn => {}
+                EntityFate::LeftOut(reason) => {
                     if seen {
                         let kind = self.told.left_out.entry(named.name.clone());
                         kind.or_insert((0, named.line, reason)).0 += 1;
                     }
                     continue;
                 }
-                Fate::Refused(reason) => match seen {
+                EntityFate::Refused(reason) => match seen {
                     true => return Err(fault(named.line, &named.name, reason)),
                     false => continue,
                 },
@@ -302,7 +302,7 @@ impl Reader<'_> {
     }
 }
 
-/// Returns true for the kinds that are drawn, as [`Fate`] has them.
+/// Returns true for the kinds that are drawn, as [`EntityFate`] has them.
 fn is_drawn(entity: &EntityType) -> bool {
     matches!(
         entity,
@@ -317,121 +317,4 @@ fn is_drawn(entity: &EntityType) -> bool {
             | EntityType::Solid(_)
             | EntityType::Trace(_)
     )
-}
-
-fn xy(point: &Point) -> [f64; 2] {
-    [point.x, point.y]
-}
-
-/// Frame of an entity that faces along `normal`: from below, x is mirrored.
-fn facing(normal: &Vector, named: &Named) -> Result<Affine, PathFault> {
-    let flat = normal.x.abs().max(normal.y.abs()) <= 1e-9 * normal.z.abs();
-    match flat {
-        true if normal.z > 0.0 => Ok(Affine::scale(1.0)),
-        true if normal.z < 0.0 => Ok(Affine::mirror_x()),
-        _ => Err(fault(named.line, &named.name, TILTED)),
-    }
-}
-
-/// Refuses points that do not lie at one height, by more than a millionth of their distance.
-fn level(points: &[&Point], named: &Named) -> Result<(), PathFault> {
-    let spread = |value: fn(&Point) -> f64| {
-        let values = points.iter().map(|point| value(point));
-        let (low, high) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| {
-            (low.min(value), high.max(value))
-        });
-        high - low
-    };
-    let [x, y, z] = [
-        spread(|point| point.x),
-        spread(|point| point.y),
-        spread(|point| point.z),
-    ];
-    match z > 1e-6 * x.max(y).max(z) {
-        true => Err(fault(named.line, &named.name, TILTED)),
-        false => Ok(()),
-    }
-}
-
-const TILTED: &str = "it is tilted out of the plane of x and y; draw it flat";
-
-/// Start and curves of a stroke.
-type Course = ([f64; 2], Vec<crate::drawing::StrokeCurve>);
-
-fn polygon(place: &Affine, corners: &[&Point], is_closed: bool) -> Course {
-    let corners = corners.iter().map(|corner| (xy(corner), 0.0));
-    polyline(place, corners.collect(), is_closed)
-}
-
-/// Outline of a solid: the file has its corners side by side, from below and from above.
-fn quadrangle(
-    place: &Affine,
-    below: [&Point; 2],
-    above: [&Point; 2],
-    named: &Named,
-) -> Result<Course, PathFault> {
-    let corners = [below[0], below[1], above[1], above[0]];
-    level(&corners, named)?;
-    Ok(polygon(place, &corners, true))
-}
-
-/// Line through vertices, each with the bulge of the way behind it.
-fn polyline(place: &Affine, vertices: Vec<([f64; 2], f64)>, is_closed: bool) -> Course {
-    let Some((&(start, _), last)) = vertices.first().zip(vertices.last()) else {
-        return ([0.0; 2], Vec::new());
-    };
-    let mut chain = Outline::new(place, start);
-    for pair in vertices.windows(2) {
-        chain.bulged(pair[0].1, pair[1].0);
-    }
-    if is_closed {
-        chain.bulged(last.1, start);
-    }
-    (chain.start, chain.curves)
-}
-
-fn round(place: &Affine, centre: &Point, radius: f64, [from, turn]: [f64; 2]) -> Course {
-    let (sin, cos) = libm::sincos(from);
-    let centre = xy(centre);
-    let start = [centre[0] + radius * cos, centre[1] + radius * sin];
-    let mut chain = Outline::new(place, start);
-    if radius != 0.0 {
-        chain.arc(centre, turn);
-    }
-    (chain.start, chain.curves)
-}
-
-fn ellipse(place: &Affine, part: &Ellipse, named: &Named) -> Result<Course, PathFault> {
-    facing(&part.normal, named)?;
-    let size = part.major_axis.x.abs().max(part.major_axis.y.abs());
-    if part.major_axis.z.abs() > 1e-6 * size {
-        return Err(fault(named.line, &named.name, TILTED));
-    }
-    let along = [part.major_axis.x, part.major_axis.y];
-    let ratio = part.minor_axis_ratio * part.normal.z.signum();
-    let across = [-ratio * along[1], ratio * along[0]];
-    let (from, centre) = (part.start_parameter, xy(&part.center));
-    let (sin, cos) = libm::sincos(from);
-    let start = [0, 1].map(|i| centre[i] + cos * along[i] + sin * across[i]);
-    let mut chain = Outline::new(place, start);
-    let to = from + sweep(from, part.end_parameter);
-    chain.ellipse(centre, [along, across], [from, to]);
-    Ok((chain.start, chain.curves))
-}
-
-fn vertices(line: &Polyline, named: &Named) -> Result<Vec<([f64; 2], f64)>, PathFault> {
-    if line.is_3d_polygon_mesh() || line.is_polyface_mesh() {
-        let reason = "a mesh of surfaces is no line; explode it";
-        return Err(fault(named.line, &named.name, reason));
-    }
-    let shown: Vec<_> = line
-        .vertices()
-        .filter(|vertex| vertex.flags & CONTROL_VERTEX == 0)
-        .collect();
-    let places: Vec<&Point> = shown.iter().map(|vertex| &vertex.location).collect();
-    level(&places, named)?;
-    Ok(shown
-        .iter()
-        .map(|vertex| (xy(&vertex.location), vertex.bulge))
-        .collect())
 }
