@@ -222,11 +222,11 @@ impl<B: Arithmetic> Cell<B> {
         self.tighten(share);
     }
 
-    /// Returns why moves leave more than a hundredth of the limits unused, if they do.
+    /// Returns why moves leave more than a twentieth of the limits unused, if they do: the pace goes with the root.
     #[cfg(feature = "std")]
     pub(crate) fn lowered_for(&self) -> Option<Limited> {
         let (why, part) = self.lowered.most?;
-        (part < B::ratio(99, 100)).then_some(why)
+        (part < B::ratio(19, 20)).then_some(why)
     }
 
     /// Lowers the part of the limits that the passes use, down to 1e-8 at most: the pace goes with its root.
@@ -247,5 +247,26 @@ impl<B: Arithmetic> Cell<B> {
     /// Length in p.
     pub fn length(&self) -> B {
         self.length
+    }
+}
+
+#[cfg(all(test, feature = "std"))]
+mod tests {
+    use super::{Cell, Limited, Rows};
+
+    /// The reason that left the least of the limits is told, and little of any reason is none.
+    #[test]
+    fn a_cell_tells_why_its_limits_are_lowered() {
+        let mut cell = Cell::<f64>::new(1.0, Rows::new());
+        let mut lower = |share, why| {
+            cell.tighten_for(share, why);
+            cell.apply_tightening();
+            cell.lowered_for()
+        };
+        assert_eq!(lower(0.98, Limited::Number), None);
+        assert_eq!(lower(0.96, Limited::Number), Some(Limited::Number));
+        assert_eq!(lower(0.97, Limited::Tolerance), Some(Limited::Number));
+        assert_eq!(lower(0.7, Limited::Tolerance), Some(Limited::Tolerance));
+        assert_eq!(lower(0.9, Limited::Torque(1)), Some(Limited::Tolerance));
     }
 }
