@@ -120,7 +120,7 @@ impl<N: Enclose, M: Model<N = N>> Planner<M> {
 
 #[cfg(feature = "std")]
 impl<M: Model<N = f64>> Planner<M> {
-    /// Largest part of a limit of the motors that `setpoint` takes; none where there is no motion.
+    /// Largest part of a limit of the motors that `setpoint` takes, and which; none where there is no motion.
     pub(crate) fn part_of_limits(&self, setpoint: &Setpoint<f64>) -> Option<(f64, Limited)> {
         let model = |value: f64| TaylorModel::<f64>::point(value);
         let setpoint = Setpoint {
