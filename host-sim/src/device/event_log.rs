@@ -4,7 +4,7 @@
 use std::io::{self, Write};
 use trirrr_client::describe::{self, Units};
 use trirrr_protocol::message::{Command, Event, Message, Reply, Request, Transmit};
-use trirrr_scene::{SparePins, visible};
+use trirrr_scene::{Scene, SparePins, visible};
 
 /// Event log of one device.
 pub(super) struct EventLog {
@@ -20,10 +20,11 @@ pub(super) struct EventLog {
 }
 
 impl EventLog {
-    pub(super) fn new(units: Units, pins: SparePins, is_quiet: bool) -> Self {
+    /// Log of the machine of `scene`, which computes in `units`.
+    pub(super) fn new(units: Units, scene: &Scene, is_quiet: bool) -> Self {
         Self {
             units,
-            pins,
+            pins: scene.spare_pins.clone(),
             is_quiet,
             ticks: 0,
             requests: 0,

@@ -175,11 +175,7 @@ impl Device<'_> {
                 ObeyingDrives::new([angle(0), angle(1), angle(2)])
             });
             let length_m = units.length_m();
-            let log = EventLog::new(
-                Units::of_scene(scene, &units),
-                scene.spare_pins.clone(),
-                is_quiet,
-            );
+            let log = EventLog::new(Units::of_scene(scene, &units), scene, is_quiet);
             let silence = Duration::from_secs_f64(
                 scene.service.silence_timeout_s * scene.tick_rate_hz / rate_hz,
             );

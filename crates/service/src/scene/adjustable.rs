@@ -1,5 +1,6 @@
 //! A scene that the host can change while the machine is idle.
 
+use super::declare::lacks;
 use super::{Changed, Machine, NoImage, Scene};
 use crate::built::{Coefficients, allow_jerk};
 use crate::curves::PlayedCurves;
@@ -74,14 +75,7 @@ impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Scen
     type Machine = Self;
     type Batches = On;
     type Update = NoImage;
-    type Levels = ();
-    type Homing = ();
-    type Feedback = ();
-    type Contact = ();
-    type Retreat = ();
-    type Interlocks = ();
-    type Probe = ();
-    type Digital = ();
+    lacks!();
 }
 
 impl<N: ServiceNumber, M: Model<N = N>, K: PlayedCurves, P: PathPlanner<N>> Machine

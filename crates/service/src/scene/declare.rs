@@ -58,3 +58,19 @@ macro_rules! scene {
     (@) => { () };
     (@ $feature:ty) => { $feature };
 }
+
+/// All features that [`scene!`](crate::scene!) names behind the place of another program, as a scene lacks them.
+macro_rules! lacks {
+    () => {
+        type Levels = ();
+        type Homing = ();
+        type Feedback = ();
+        type Contact = ();
+        type Retreat = ();
+        type Interlocks = ();
+        type Probe = ();
+        type Digital = ();
+    };
+}
+
+pub(super) use lacks;
