@@ -1,6 +1,5 @@
 //! The tick: inputs, service, drives, and the time that all of it took.
 
-mod calls;
 #[cfg(feature = "fault-injection")]
 mod fault_injection;
 pub(crate) mod heartbeat;
@@ -12,7 +11,7 @@ mod wired;
 pub use heartbeat::WATCHDOG_MS;
 pub use tick_clock::{TickClock, period};
 
-use crate::inputs::Inputs;
+use crate::inputs::{Angle, Closed, Inputs};
 use crate::outputs::Outputs;
 use crate::scene::Scalar;
 use crate::service::SceneForeground;
@@ -41,7 +40,7 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
         clock: TickClock,
     ) -> Self {
         if board.start.is_failure() {
-            calls::raise(
+            raise(
                 &mut foreground,
                 FaultCode::Board,
                 None,
@@ -72,7 +71,7 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
         let contacts = self.inputs.interlocks();
         self.foreground.sense(self.wired.interlocks(contacts));
         self.foreground.sense_digital(self.inputs.digital());
-        calls::tick(&mut self.foreground, closed);
+        tick(&mut self.foreground, closed);
         if let Some(by) = self.foreground.shift() {
             self.outputs.shift(by);
             self.inputs.shift(by);
@@ -102,9 +101,9 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
             limit,
             ..
         } = *failure;
-        calls::raise(&mut self.foreground, failure.code(), drive, [value, limit]);
+        raise(&mut self.foreground, failure.code(), drive, [value, limit]);
         if let Some(angles) = self.outputs.angles() {
-            calls::set_position(&mut self.foreground, angles);
+            set_position(&mut self.foreground, angles);
         }
         self.switch_off();
     }
@@ -121,12 +120,53 @@ impl<I: Inputs, O: Outputs> Tick<I, O> {
     #[inline]
     fn report_timing(&mut self) {
         let (duration, period) = (self.clock.elapsed(), self.clock.period());
-        if calls::report_timing(&mut self.foreground, duration, period) {
+        if report_timing(&mut self.foreground, duration, period) {
             heartbeat::beat();
         } else {
             heartbeat::miss();
             self.switch_off();
             self.work();
         }
+    }
+}
+
+/// Functions that the board's crate compiles, for speed. Without a host they are compiled here, for size: the flash of a small board is worth
+/// more than the time, which is proven by the watch over the tick.
+macro_rules! calls {
+    ($($call:item)*) => {$(
+        #[cfg_attr(autonomous, inline(never))]
+        #[cfg_attr(not(autonomous), inline(always))]
+        $call
+    )*};
+}
+
+calls! {
+    /// Plays a tick.
+    fn tick(foreground: &mut SceneForeground, closed: Closed) {
+        foreground.tick_with(closed);
+    }
+
+    /// Latches a fault from outside.
+    fn raise(
+        foreground: &mut SceneForeground,
+        code: FaultCode,
+        index: Option<u8>,
+        [value, limit]: [Scalar; 2],
+    ) {
+        foreground.raise(code, index, value, limit);
+    }
+
+    /// Takes angles that drives have counted.
+    fn set_position(foreground: &mut SceneForeground, angles: [Angle; 3]) {
+        foreground.set_position(angles);
+    }
+
+    /// Reports the latency of a tick. Returns true if it was in time.
+    fn report_timing(
+        foreground: &mut SceneForeground,
+        duration: u32,
+        period: u32,
+    ) -> bool {
+        foreground.report_timing(duration, period)
     }
 }
