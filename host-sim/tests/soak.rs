@@ -44,7 +44,7 @@ impl Client<'_> {
     fn ask(&mut self, command: Command<f32>) -> Reply<f32> {
         let sequence = self.sequence;
         self.sequence = sequence.wrapping_add(1);
-        let reply = self.machine.receive(&Request { sequence, command });
+        let reply = self.machine.answer(&Request { sequence, command });
         if let Reply::Hello(identity) = &reply {
             self.sequence = identity.next_sequence;
         }
@@ -65,7 +65,7 @@ impl Client<'_> {
                 reply => panic!("move {number}: {reply:?}"),
             }
         }
-        while self.machine.work() {}
+        while self.machine.step() {}
     }
 
     /// One tick, and its sample.

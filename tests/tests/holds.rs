@@ -66,7 +66,7 @@ impl<'a, N: ServiceNumber> Bench<'a, N> {
             sequence: 0,
             command,
         };
-        let Reply::Hello(identity) = machine.receive(&request) else {
+        let Reply::Hello(identity) = machine.answer(&request) else {
             panic!("no identity");
         };
         let mut bench = Self {
@@ -89,7 +89,7 @@ impl<'a, N: ServiceNumber> Bench<'a, N> {
     fn ask(&mut self, command: Command<N>) -> Reply<N> {
         let sequence = self.sequence;
         self.sequence = sequence.wrapping_add(1);
-        self.machine.receive(&Request { sequence, command })
+        self.machine.answer(&Request { sequence, command })
     }
 
     fn done(&mut self, command: Command<N>) {
@@ -104,7 +104,7 @@ impl<'a, N: ServiceNumber> Bench<'a, N> {
                 break;
             }
             self.offered += 1;
-            while self.machine.work() {}
+            while self.machine.step() {}
         }
     }
 
@@ -116,7 +116,7 @@ impl<'a, N: ServiceNumber> Bench<'a, N> {
             self.ask(Command::Status);
             self.supply();
         }
-        while self.machine.work() {}
+        while self.machine.step() {}
         while let Some(message) = self.machine.outgoing() {
             if let Message::Telemetry(sample) = message {
                 self.sample = Some(sample);

@@ -103,7 +103,7 @@ fn is_played<N: HostNumber>(scene: &Scene) -> bool {
     let moves = offer::moves::<N>(scene, &units);
     let offer = |machine: &mut dyn LocalService<N>| {
         let hello = Command::Hello(local::hello::<N>(scene));
-        let first = machine.receive(&Request {
+        let first = machine.answer(&Request {
             sequence: 0,
             command: hello,
         });
@@ -111,7 +111,7 @@ fn is_played<N: HostNumber>(scene: &Scene) -> bool {
             panic!("{first:?}");
         };
         let mut sequence = identity.next_sequence;
-        let enabled = machine.receive(&Request {
+        let enabled = machine.answer(&Request {
             sequence,
             command: Command::Enable,
         });
@@ -120,9 +120,9 @@ fn is_played<N: HostNumber>(scene: &Scene) -> bool {
         sequence = sequence.wrapping_add(1);
         let taken = moves.iter().all(|each| {
             let command = each.command();
-            let reply = machine.receive(&Request { sequence, command });
+            let reply = machine.answer(&Request { sequence, command });
             sequence = sequence.wrapping_add(1);
-            while machine.work() {}
+            while machine.step() {}
             reply == Reply::Done
         });
         let events = std::iter::from_fn(|| machine.outgoing());

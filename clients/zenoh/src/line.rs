@@ -65,12 +65,12 @@ impl<N: ServiceNumber> Line<N> for SimulatedLine<'_, N> {
 
     fn send(&mut self, request: &Request<N>) -> Result<(), LostLine> {
         let sequence = request.sequence;
-        let reply = self.machine.receive(request);
+        let reply = self.machine.answer(request);
         let mut answered = Some((sequence, reply));
         while let Some((sequence, reply)) = answered {
             let answer = Message::Reply { sequence, reply };
             self.answers.push_back((self.ticks, answer));
-            answered = self.machine.receive_kept();
+            answered = self.machine.answer_kept();
         }
         Ok(())
     }
@@ -93,7 +93,7 @@ impl<N: ServiceNumber> Line<N> for SimulatedLine<'_, N> {
             let took = u32::try_from(begin.elapsed().as_nanos());
             self.machine.report_timing(took.unwrap_or(u32::MAX));
             self.ticks += 1;
-            self.is_busy = (0..SLICES).all(|_| self.machine.work());
+            self.is_busy = (0..SLICES).all(|_| self.machine.step());
             // After each tick: there is room for 63 samples.
             messages.extend(std::iter::from_fn(|| self.machine.outgoing()));
         }
@@ -104,7 +104,7 @@ impl<N: ServiceNumber> Line<N> for SimulatedLine<'_, N> {
             }
         }
         if self.is_busy {
-            self.is_busy = (0..SLICES).all(|_| self.machine.work());
+            self.is_busy = (0..SLICES).all(|_| self.machine.step());
         }
         Ok(messages)
     }

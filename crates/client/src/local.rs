@@ -81,13 +81,13 @@ pub trait LocalService<N: ServiceNumber> {
     fn stir(&mut self, noise: u32);
 
     /// Executes a request. Returns the answer.
-    fn receive(&mut self, request: &Request<N>) -> Reply<N>;
+    fn answer(&mut self, request: &Request<N>) -> Reply<N>;
 
     /// Executes the next request if it came before one that was missing. Returns its number and the answer.
-    fn receive_kept(&mut self) -> Option<(u32, Reply<N>)>;
+    fn answer_kept(&mut self) -> Option<(u32, Reply<N>)>;
 
     /// Does a slice of the work below the tick. Returns false if nothing is left to do.
-    fn work(&mut self) -> bool;
+    fn step(&mut self) -> bool;
 
     /// Returns the next event or telemetry sample.
     fn outgoing(&mut self) -> Option<Message<N>>;
@@ -405,21 +405,21 @@ impl<N: ServiceNumber, M: Model<N = N>> LocalService<N> for Service<'_, HostScen
         Service::stir(self, noise);
     }
 
-    fn receive(&mut self, request: &Request<N>) -> Reply<N> {
+    fn answer(&mut self, request: &Request<N>) -> Reply<N> {
         // Every request has a length that is known beforehand.
         let checksum = wire::checksum(request).unwrap_or_default();
-        self.answer(request, checksum)
+        Service::answer(self, request, checksum)
     }
 
-    fn receive_kept(&mut self) -> Option<(u32, Reply<N>)> {
-        self.answer_kept()
+    fn answer_kept(&mut self) -> Option<(u32, Reply<N>)> {
+        Service::answer_kept(self)
     }
 
-    fn work(&mut self) -> bool {
-        self.step()
+    fn step(&mut self) -> bool {
+        Service::step(self)
     }
 
     fn outgoing(&mut self) -> Option<Message<N>> {
-        self.poll()
+        Service::outgoing(self)
     }
 }

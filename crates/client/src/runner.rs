@@ -100,9 +100,9 @@ impl<'a, N: ServiceNumber> JobRunner<'a, N> {
         loop {
             match self.client.poll(self.now) {
                 Turn::Send(request) => {
-                    let reply = self.service.receive(&request);
+                    let reply = self.service.answer(&request);
                     // Moves are judged before the client asks what became of them.
-                    while self.service.work() {}
+                    while self.service.step() {}
                     let is_done = reply == Reply::Done;
                     let Request { sequence, command } = request;
                     let message = Message::Reply { sequence, reply };

@@ -60,7 +60,7 @@ impl Line<f32> for TickLine<'_> {
 
     fn send(&mut self, request: &Request<f32>) -> Result<(), LostLine> {
         self.sent.push(request.command);
-        let reply = self.machine.receive(request);
+        let reply = self.machine.answer(request);
         let sequence = request.sequence;
         self.inbox.push(Message::Reply { sequence, reply });
         Ok(())
@@ -73,7 +73,7 @@ impl Line<f32> for TickLine<'_> {
         let left = self.left.checked_sub(1);
         self.left = left.ok_or(LostLine::Silent)?;
         self.machine.tick();
-        while self.machine.work() {}
+        while self.machine.step() {}
         self.now += TICK;
         Ok(std::iter::from_fn(|| self.machine.outgoing()).collect())
     }

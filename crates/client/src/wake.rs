@@ -286,10 +286,10 @@ mod tests {
             let request =
                 |sequence, command| trirrr_protocol::message::Request { sequence, command };
             let hello = Command::Hello(local::hello::<f32>(&scene));
-            let Reply::Hello(identity) = machine.receive(&request(7, hello)) else {
+            let Reply::Hello(identity) = machine.answer(&request(7, hello)) else {
                 panic!("a machine of this scene");
             };
-            match machine.receive(&request(identity.next_sequence, Command::Status)) {
+            match machine.answer(&request(identity.next_sequence, Command::Status)) {
                 Reply::Status(status) => Status { state, ..status },
                 other => panic!("{other:?}"),
             }

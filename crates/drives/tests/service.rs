@@ -101,7 +101,7 @@ impl<'a> Machine<'a> {
         let reply = self.service.submit(&command);
         assert!(!matches!(reply, Reply::Refused(_)), "{reply:?}");
         while self.service.step() {}
-        while self.service.poll().is_some() {}
+        while self.service.outgoing().is_some() {}
     }
 
     fn offer(&mut self, number: u32, to: Pose<Scalar>, ticks: u32) {

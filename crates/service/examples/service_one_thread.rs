@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             _ => {}
         }
         while service.step() {}
-        while let Some(message) = service.poll() {
+        while let Some(message) = service.outgoing() {
             match message {
                 Message::Telemetry(sample) => {
                     let at = sample.setpoint.pose.position;

@@ -7,7 +7,7 @@
 //! neither allocates. `docs/service.md` has states, commands, faults and times.
 //!
 //! ```text
-//!  line ──> Background::receive ──> admission ──moves──> Foreground::tick ──> motors, tool
+//!  line ──> Background::answer ───> admission ──moves──> Foreground::tick ──> motors, tool
 //!                 │                                            │
 //!                 └───────────────orders──────────────────────>│
 //!  line <── Background::outgoing <────reports, telemetry───────┘

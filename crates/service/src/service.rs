@@ -26,7 +26,7 @@ pub type Played<N> = (Setpoint<N>, Motion<N>);
 /// | [`receive`](Service::receive) | takes bytes from a line and executes the request in them |
 /// | [`tick`](Service::tick) | computes what the motors do until the next tick |
 /// | [`step`](Service::step) | does a bounded slice of the work below the tick, such as admission |
-/// | [`poll`](Service::poll) | returns the next event or telemetry sample |
+/// | [`poll`](Service::outgoing) | returns the next event or telemetry sample |
 /// | [`transmit`](Service::transmit) | returns the next frame for the line: reply, event or sample |
 ///
 /// Call [`step`](Service::step) until it returns false, or as often as time permits: a move is
@@ -98,14 +98,14 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'q, S, LI
     }
 
     /// Executes a request of a line, unless the service has executed the request before. `checksum` is
-    /// that of the request's frame, see [`Background::receive`].
+    /// that of the request's frame, see [`Background::answer`].
     pub fn answer(&mut self, request: &RequestOf<S>, checksum: u32) -> Reply<N, PartOf<S>> {
-        self.background.receive(request, checksum)
+        self.background.answer(request, checksum)
     }
 
-    /// Executes the next request if it came before one that was missing, see [`Background::receive_kept`].
+    /// Executes the next request if it came before one that was missing, see [`Background::answer_kept`].
     pub fn answer_kept(&mut self) -> Option<(u32, Reply<N, PartOf<S>>)> {
-        self.background.receive_kept()
+        self.background.answer_kept()
     }
 
     /// Computes one tick and returns the output. Never waits.
@@ -177,7 +177,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'q, S, LI
     }
 
     /// Returns the next event, or else the next telemetry sample.
-    pub fn poll(&mut self) -> Option<Message<N, PartOf<S>>> {
+    pub fn outgoing(&mut self) -> Option<Message<N, PartOf<S>>> {
         self.background.outgoing()
     }
 
@@ -235,7 +235,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'_, S, LINE> 
                 Some(Err(_)) => continue,
                 Some(Ok(request)) => request,
             };
-            let reply = self.background.receive(&request, self.decoder.checksum());
+            let reply = self.background.answer(&request, self.decoder.checksum());
             self.put_reply(request.sequence, &reply);
         }
         bytes.len() - rest.len()
@@ -249,7 +249,7 @@ impl<N: ServiceNumber, S: Scene<N = N>, const LINE: usize> Service<'_, S, LINE> 
     /// Returns the next frame for the line: a reply first, then events and samples in turn.
     pub fn transmit(&mut self) -> Option<&[u8]> {
         if self.reply.is_none()
-            && let Some((sequence, reply)) = self.background.receive_kept()
+            && let Some((sequence, reply)) = self.background.answer_kept()
         {
             self.put_reply(sequence, &reply);
         }

@@ -111,7 +111,7 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
     pub(super) fn serve(&mut self) -> io::Result<bool> {
         let heard = self.listen();
         self.hub.accept()?;
-        let busy = (0..SLICES).all(|_| self.machine.work());
+        let busy = (0..SLICES).all(|_| self.machine.step());
         while let Some(message) = self.machine.outgoing() {
             self.log.message(&message);
             let kind = FrameKind::of(&message);
@@ -147,10 +147,10 @@ impl<'a, N: ServiceNumber> Server<'a, N> {
             if !self.hub.takes(matches!(request.command, Command::Hello(_))) {
                 break;
             }
-            let reply = self.machine.receive(&request);
+            let reply = self.machine.answer(&request);
             self.log.answered(&request, &reply);
             self.reply(request.sequence, reply);
-            while let Some((sequence, reply)) = self.machine.receive_kept() {
+            while let Some((sequence, reply)) = self.machine.answer_kept() {
                 self.log.answered_kept(&reply);
                 self.reply(sequence, reply);
             }

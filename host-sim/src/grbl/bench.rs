@@ -103,13 +103,13 @@ impl<N: HostNumber> Bench<'_, N> {
                 (self.place, self.moved) = (place, self.tick);
             }
         }
-        let _ = (0..SLICES).all(|_| self.machine.work());
+        let _ = (0..SLICES).all(|_| self.machine.step());
         let (tick, now) = (self.tick, self.now());
         while let Some(message) = self.machine.outgoing() {
             self.messages.put(message, tick, &mut self.random);
         }
         while let Some(request) = self.requests.take(tick) {
-            let reply = self.machine.receive(&request);
+            let reply = self.machine.answer(&request);
             let sequence = request.sequence;
             let answer = Message::Reply { sequence, reply };
             self.messages.put(answer, tick, &mut self.random);

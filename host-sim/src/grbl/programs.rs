@@ -139,7 +139,7 @@ fn failure_of_stream(job: &Scene) -> Option<JobFailure<N>> {
                 match client.poll(now) {
                     Turn::Send(request) => {
                         let sequence = request.sequence;
-                        let reply = machine.receive(&request);
+                        let reply = machine.answer(&request);
                         client.receive(&Message::Reply { sequence, reply }, now);
                     }
                     Turn::Wait(_) => break,
@@ -147,7 +147,7 @@ fn failure_of_stream(job: &Scene) -> Option<JobFailure<N>> {
                     Turn::Done(result) => return result,
                 }
             }
-            let _ = (0..400).all(|_| machine.work());
+            let _ = (0..400).all(|_| machine.step());
             machine.tick();
             while let Some(message) = machine.outgoing() {
                 client.receive(&message, now);

@@ -113,8 +113,8 @@ fn play(
     loop {
         match client.poll(now) {
             Turn::Send(request) => {
-                let reply = machine.receive(&request);
-                while machine.work() {}
+                let reply = machine.answer(&request);
+                while machine.step() {}
                 let sequence = request.sequence;
                 client.receive(&Message::Reply { sequence, reply }, now);
                 continue;
@@ -127,7 +127,7 @@ fn play(
             Turn::Reconnect => panic!("no answer"),
         }
         machine.tick();
-        while machine.work() {}
+        while machine.step() {}
         now += period;
         while let Some(message) = machine.outgoing() {
             match message {

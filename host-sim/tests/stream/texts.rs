@@ -110,7 +110,7 @@ fn board(scene: Scene) -> String {
 }
 
 fn hello(scene: &Scene, request: &Request<f64>) -> Message<f64> {
-    let reply = local::with_machine::<f64, _>(scene, |machine| machine.receive(request)).unwrap();
+    let reply = local::with_machine::<f64, _>(scene, |machine| machine.answer(request)).unwrap();
     let Reply::Hello(mut identity) = reply else {
         panic!("{reply:?}");
     };

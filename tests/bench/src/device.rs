@@ -102,7 +102,7 @@ impl<'q> Device<'q> {
         let reply = device.service.submit(&Command::Enable);
         assert_eq!(reply, Reply::Done);
         device.tick();
-        while device.service.poll().is_some() {}
+        while device.service.outgoing().is_some() {}
         device
     }
 }

@@ -522,7 +522,7 @@ mod tests {
         }
         while device.service.step() {}
         device.tick();
-        while device.service.poll().is_some() {}
+        while device.service.outgoing().is_some() {}
         ask(&mut device, Command::Start);
         let mut samples = Vec::new();
         for tick in 0..2000 {
@@ -532,7 +532,7 @@ mod tests {
             device.tick();
             while device.service.step() {}
             samples.extend(device.sample());
-            while device.service.poll().is_some() {}
+            while device.service.outgoing().is_some() {}
         }
         (job, samples)
     }

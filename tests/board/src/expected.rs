@@ -189,7 +189,7 @@ impl<N: HostNumber> Host<'_, N> {
         if let Some(drives) = &mut self.drives {
             drives.apply(self.machine.output());
         }
-        while self.machine.work() {}
+        while self.machine.step() {}
         if let (Some(switches), Some(by)) = (&mut self.switches, self.machine.shift()) {
             switches.shift(by);
         }
@@ -209,7 +209,7 @@ impl<N: HostNumber> Host<'_, N> {
         {
             self.offered += 1;
         }
-        while self.machine.work() {}
+        while self.machine.step() {}
         // A host that says nothing is taken for lost.
         self.ask(Command::Status);
     }
@@ -217,6 +217,6 @@ impl<N: HostNumber> Host<'_, N> {
     fn ask(&mut self, command: Command<N>) -> Reply<N> {
         let sequence = self.sequence;
         self.sequence = sequence.wrapping_add(1);
-        self.machine.receive(&Request { sequence, command })
+        self.machine.answer(&Request { sequence, command })
     }
 }

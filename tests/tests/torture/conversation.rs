@@ -170,7 +170,7 @@ impl Conversation<'_> {
                 },
             );
         }
-        while let Some(message) = device.service.poll() {
+        while let Some(message) = device.service.outgoing() {
             if let Message::Telemetry(sample) = &message {
                 checker.see(sample, motors).expect("a tick of the job");
             }

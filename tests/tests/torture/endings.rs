@@ -294,7 +294,7 @@ impl World {
         machine.sense(self.readings);
         machine.tick();
         let tool = machine.output().tool;
-        while machine.work() {}
+        while machine.step() {}
         while let Some(message) = machine.outgoing() {
             if let Message::Telemetry(sample) = &message {
                 let place = self.played.as_ref().and_then(|(rest, first)| {
@@ -438,7 +438,7 @@ impl World {
                             "asks on and on: {command:?} {:?}",
                             client.status()
                         );
-                        let reply = machine.receive(&Request { sequence, command });
+                        let reply = machine.answer(&Request { sequence, command });
                         client.receive(&Message::Reply { sequence, reply }, now);
                     }
                     Turn::Wait(_) => break,
@@ -485,10 +485,10 @@ impl World {
             sequence: 0xffff_0000,
             command: Command::Hello(hello::<f32>(&self.scene)),
         };
-        let trirrr_protocol::message::Reply::Hello(identity) = machine.receive(&hello) else {
+        let trirrr_protocol::message::Reply::Hello(identity) = machine.answer(&hello) else {
             panic!("no hello");
         };
-        machine.receive(&Request {
+        machine.answer(&Request {
             sequence: identity.next_sequence,
             command: Command::Stop,
         });

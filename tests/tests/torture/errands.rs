@@ -210,7 +210,7 @@ impl ErrandSession<'_> {
     fn work_at_device(&mut self) {
         self.device.tick();
         self.follow_status();
-        while let Some(message) = self.device.service.poll() {
+        while let Some(message) = self.device.service.outgoing() {
             if let Message::Telemetry(sample) = &message {
                 self.know(sample.number);
                 let tick = &self.tick;

@@ -165,7 +165,7 @@ fn play<N: ServiceNumber>(
         loop {
             match client.poll(now) {
                 Turn::Send(request) => {
-                    let reply = machine.receive(&request);
+                    let reply = machine.answer(&request);
                     let sequence = request.sequence;
                     client.receive(&Message::Reply { sequence, reply }, now);
                 }
@@ -182,7 +182,7 @@ fn play<N: ServiceNumber>(
         }
         machine.tick();
         for _ in 0..curve.steps {
-            if !machine.work() {
+            if !machine.step() {
                 break;
             }
         }

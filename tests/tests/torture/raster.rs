@@ -103,7 +103,7 @@ fn burn(seed: u64, percent: u64) -> u64 {
                 break;
             }
         }
-        while let Some(message) = device.service.poll() {
+        while let Some(message) = device.service.outgoing() {
             if let Message::Telemetry(sample) = &message
                 && sample.state.is_running()
                 && let Some(index) = client.index(sample.number).map(|index| index as usize)

@@ -113,7 +113,7 @@ pub(crate) fn play(work: impl Into<JobWork<f64>>, delay: u64, bytes_per_tick: us
             device.receive(&bytes, |_| {}, |message| back.send(&message_frame(message)));
         }
         while back.is_free()
-            && let Some(message) = device.service.poll()
+            && let Some(message) = device.service.outgoing()
         {
             back.send(&message_frame(&message));
         }

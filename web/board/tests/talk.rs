@@ -55,16 +55,16 @@ impl<N: ServiceNumber> Bench<'_, N> {
             self.requests
                 .receive(&bytes, |request| requests.push(request));
             for request in &requests {
-                let reply = self.machine.receive(request);
+                let reply = self.machine.answer(request);
                 let sequence = request.sequence;
                 Frames::append(&Message::Reply { sequence, reply }, &mut answers);
-                while let Some((sequence, reply)) = self.machine.receive_kept() {
+                while let Some((sequence, reply)) = self.machine.answer_kept() {
                     Frames::append(&Message::Reply { sequence, reply }, &mut answers);
                 }
             }
         }
         self.machine.tick();
-        while self.machine.work() {}
+        while self.machine.step() {}
         while let Some(message) = self.machine.outgoing() {
             if !self.is_cut {
                 Frames::append(&message, &mut answers);

@@ -89,7 +89,7 @@ fn serve(
             machine.tick();
             ticks += 1;
         }
-        while machine.work() {}
+        while machine.step() {}
         while let Some(message) = machine.outgoing() {
             Frames::append(&message, &mut out);
         }
@@ -102,7 +102,7 @@ fn serve(
             frames.receive(&bytes[..length], |request| requests.push(request));
             for request in requests {
                 let sequence = request.sequence;
-                let reply = machine.receive(&request);
+                let reply = machine.answer(&request);
                 if cuts(&request, &reply, &mut heard.lock().unwrap()) {
                     return false;
                 }

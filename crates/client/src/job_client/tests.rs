@@ -53,10 +53,10 @@ fn play(count: u32, refused: Option<u32>) -> (Result<(), JobFailure<f32>>, Durat
                             Command::Path(piece) if Some(piece.number) == refused => {
                                 // The machine counts the request.
                                 let command = Command::Status;
-                                machine.receive(&Request { sequence, command });
+                                machine.answer(&Request { sequence, command });
                                 Reply::Refused(Refusal::QueueFull)
                             }
-                            _ => machine.receive(&request),
+                            _ => machine.answer(&request),
                         };
                         client.receive(&Message::Reply { sequence, reply }, now);
                     }
@@ -65,7 +65,7 @@ fn play(count: u32, refused: Option<u32>) -> (Result<(), JobFailure<f32>>, Durat
                     Turn::Done(result) => return (result, now),
                 }
             }
-            while machine.work() {}
+            while machine.step() {}
             machine.tick();
             while let Some(message) = machine.outgoing() {
                 client.receive(&message, now);

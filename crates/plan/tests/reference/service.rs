@@ -52,7 +52,7 @@ fn service(queues: &mut Queues) -> Service<'_, PlanningScene> {
     let mut service = queues.service(scene, start(), settings).expect("a machine");
     assert_eq!(service.submit(&Command::Enable), Reply::Done);
     service.tick();
-    while service.poll().is_some() {}
+    while service.outgoing().is_some() {}
     service
 }
 
@@ -117,7 +117,7 @@ fn play(
             }
         }
         service.tick();
-        while let Some(message) = service.poll() {
+        while let Some(message) = service.outgoing() {
             match message {
                 Message::Telemetry(sample) => played.push((sample.setpoint, sample.tool)),
                 Message::Event(trirrr_protocol::message::Event::Verdict(verdict))

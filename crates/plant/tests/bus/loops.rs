@@ -155,7 +155,7 @@ fn play(pose: [f64; 3], at: u32, leg: usize, part: Option<Part>, ticks: u32) -> 
             }
         }
         while service.step() {}
-        while service.poll().is_some() {}
+        while service.outgoing().is_some() {}
         if let Some(fault) = service.status().fault
             && ended.fault.is_none()
         {
@@ -307,7 +307,7 @@ fn home(offset: [f64; 3]) -> ([f64; 3], f64) {
             service.submit(&Command::Status);
         }
         while service.step() {}
-        while service.poll().is_some() {}
+        while service.outgoing().is_some() {}
         service.hear(loops.measure());
         let output = *service.tick();
         if let Some(by) = service.shift() {

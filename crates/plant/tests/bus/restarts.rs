@@ -93,7 +93,7 @@ impl<P: Protocol, const LONGEST: usize> Machine<P, LONGEST> {
             self.service.raise(FaultCode::Drive(what), None, 0.0, 0.0);
         }
         while self.service.step() {}
-        while self.service.poll().is_some() {}
+        while self.service.outgoing().is_some() {}
     }
 
     fn ticks(&mut self, ticks: u32) {

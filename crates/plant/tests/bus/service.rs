@@ -76,7 +76,7 @@ fn enabled(
             service.raise(FaultCode::Drive(what), None, 0.0, 0.0);
         }
         while service.step() {}
-        while service.poll().is_some() {}
+        while service.outgoing().is_some() {}
         fault = service.status().fault.map(|fault| fault.code).or(fault);
     }
     let not_enabled = service.status().not_enabled;

@@ -261,7 +261,7 @@ impl Bench {
         self.power = output.power;
         self.estimate.before = Some(output);
         while self.service.step() {}
-        while self.service.poll().is_some() {}
+        while self.service.outgoing().is_some() {}
         let samples = (SAMPLES_HZ / self.setup.tick_rate_hz).round() as u32;
         for sample in 0..samples {
             self.sample(&output, sample, samples / 2);

@@ -17,11 +17,11 @@ use trirrr_protocol::message::{
 impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Takes a request. Executes it if it is the next one, keeps it if one before it is missing, and answers it again if it was
     /// executed already. Returns the reply, to be sent with the request's sequence number; ask for
-    /// [those that were kept](Self::receive_kept) then. `checksum` is that of the request's frame
+    /// [those that were kept](Self::answer_kept) then. `checksum` is that of the request's frame
     /// ([`Decoder::checksum`](trirrr_protocol::wire::Decoder::checksum)). It tells a repeated request from
     /// another with the same number.
     #[inline(never)]
-    pub fn receive(&mut self, request: &RequestOf<S>, checksum: u32) -> Reply<N, PartOf<S>> {
+    pub fn answer(&mut self, request: &RequestOf<S>, checksum: u32) -> Reply<N, PartOf<S>> {
         // Whatever it is that comes, the host is there.
         count(&self.ends.shared.heard);
         self.drain_reports();
@@ -45,8 +45,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     }
 
     /// Executes the next request if it was kept. Returns its number and the reply. To be called after each
-    /// [request](Self::receive) until it returns none.
-    pub fn receive_kept(&mut self) -> Option<(u32, Reply<N, PartOf<S>>)> {
+    /// [request](Self::answer) until it returns none.
+    pub fn answer_kept(&mut self) -> Option<(u32, Reply<N, PartOf<S>>)> {
         let (request, checksum) = self.desk.window.take_kept()?;
         let reply = self.execute_next(&request.command, checksum);
         Some((request.sequence, reply))
@@ -65,7 +65,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
         result: Result<(), Refusal<N>>,
     ) -> Reply<N, PartOf<S>> {
         match result {
-            Ok(()) => self.answer(command),
+            Ok(()) => self.reply_to(command),
             Err(refusal) => Reply::Refused(refusal),
         }
     }
@@ -122,7 +122,7 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     }
 
     /// The answer to a command that was executed. Questions are answered anew when repeated.
-    fn answer(&mut self, command: &CommandOf<S>) -> Reply<N, PartOf<S>> {
+    fn reply_to(&mut self, command: &CommandOf<S>) -> Reply<N, PartOf<S>> {
         match command {
             Command::Status => Reply::Status(self.status()),
             Command::Read(name) => match self.machine.part(*name, &self.settings.scene.units()) {

@@ -97,7 +97,7 @@ impl<N: ServiceNumber> Rig<N> {
         self.last = *self.bench.service.tick();
         self.commanded.push(self.last);
         while self.bench.service.step() {}
-        while self.bench.service.poll().is_some() {}
+        while self.bench.service.outgoing().is_some() {}
     }
 
     fn ticks(&mut self, ticks: u32) {

@@ -91,7 +91,7 @@ pub(super) fn hear<N: ServiceNumber, S: Scene<N = N>>(
     let mut line = encode(&Request { sequence, command }, &mut room).unwrap();
     let mut decoder = Decoder::<1024>::new();
     let request = decoder.take(&mut line).unwrap().unwrap();
-    let reply = background.receive(&request, decoder.checksum());
+    let reply = background.answer(&request, decoder.checksum());
     let mut room = [0; 1024];
     let mut line = encode(&reply, &mut room).unwrap();
     decoder.take(&mut line).unwrap().unwrap()
@@ -284,7 +284,7 @@ impl<N: ServiceNumber, S: Scene<N = N> + 'static> Bench<S> {
                 assert_eq!(motor.rate, N::ZERO, "{state:?}");
             }
         }
-        while let Some(message) = self.service.poll() {
+        while let Some(message) = self.service.outgoing() {
             match message {
                 Message::Telemetry(sample) => self.telemetry.push(sample),
                 Message::Drives(sample) => self.drives.push(sample),

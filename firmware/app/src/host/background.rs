@@ -101,10 +101,10 @@ fn put_next(service: &mut SceneBackground, line: &mut Line, replied: &mut bool) 
 
 /// Executes the next request that has come, and puts its reply on the line.
 fn put_reply(service: &mut SceneBackground, line: &mut Line) -> bool {
-    let (sequence, reply) = match service.receive_kept() {
+    let (sequence, reply) = match service.answer_kept() {
         Some(kept) => kept,
         None => match line.request() {
-            Some((request, checksum)) => (request.sequence, service.receive(&request, checksum)),
+            Some((request, checksum)) => (request.sequence, service.answer(&request, checksum)),
             None => return false,
         },
     };

@@ -240,7 +240,7 @@ impl Session {
         }
         let mut is_seen = false;
         let first = device.service.status().job.map(|job| job.first_move);
-        while let Some(message) = device.service.poll() {
+        while let Some(message) = device.service.outgoing() {
             if let Message::Telemetry(sample) = &message {
                 is_seen = true;
                 assert_eq!(sample.tool, output.tool);
