@@ -81,12 +81,21 @@ fn help(number: NumberType) -> &'static str {
     }
 }
 
+/// Reason to refuse an argument; a number with a comma is told as it was meant.
+pub(crate) fn expected(text: &str, what: &str) -> String {
+    let meant = text.replacen(',', ".", 1);
+    match meant != text && meant.parse::<f64>().is_ok() {
+        true => format!("expected {what}; the decimal sign is a point, not a comma: {meant}"),
+        false => format!("expected {what}"),
+    }
+}
+
 /// Reads a positive number.
 pub(crate) fn factor(text: &str) -> Result<f64, String> {
     match text.parse() {
         // Beyond these, no time is left to count or none to see.
         Ok(value) if (1e-3..=1e6).contains(&value) => Ok(value),
-        _ => Err("expected a number from 0.001 to 1000000".into()),
+        _ => Err(expected(text, "a number from 0.001 to 1000000")),
     }
 }
 
@@ -94,7 +103,7 @@ pub(crate) fn factor(text: &str) -> Result<f64, String> {
 pub(crate) fn distance(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(value) if (0.0..=100.0).contains(&value) => Ok(value),
-        _ => Err("expected a distance from 0 to 100 (mm)".into()),
+        _ => Err(expected(text, "a distance from 0 to 100 (mm)")),
     }
 }
 

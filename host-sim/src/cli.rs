@@ -239,7 +239,7 @@ mod tests {
             "0,5",
         ];
         let refused = Cli::read_from(comma).unwrap_err().to_string();
-        assert!(refused.contains("decimal point"), "{refused}");
+        assert!(refused.contains("comma: 0.5"), "{refused}");
     }
 
     #[test]

@@ -391,6 +391,37 @@ fn a_machine_in_a_file_of_its_own_is_taken_or_asked_for() {
     );
 }
 
+/// Z is the tool, or has no effect, as with the command; remarks stand among the notes.
+#[test]
+fn the_sense_of_z_is_that_of_the_command() {
+    let at = |inputs: JobInputs| JobInputs {
+        x_mm: 230.0,
+        y_mm: 250.0,
+        ..inputs
+    };
+    let text = "M3 S1000\nG1 Z-1 F2000\nX10\nZ3\nX20\n";
+    let refused = job_of("a.nc", text, at(JobInputs::default())).refusal();
+    assert!(refused.is_some_and(|told| told.contains("a.nc:2: Z-1: ")));
+    let ignored = JobInputs {
+        ignore_z: true,
+        ..JobInputs::default()
+    };
+    let refused = job_of("a.nc", text, at(ignored)).refusal();
+    assert!(refused.is_some_and(|told| told.contains("a.nc:5: ")));
+    let by_z = JobInputs {
+        tool_by_z_mm: Some(0.0),
+        ..JobInputs::default()
+    };
+    let reading = job_of("a.nc", text, at(by_z));
+    assert_eq!(reading.refusal(), None);
+    assert!(
+        reading
+            .notes()
+            .iter()
+            .any(|note| note.contains("--tool-by-z"))
+    );
+}
+
 #[test]
 fn an_input_out_of_range_is_refused() {
     for (inputs, word) in [

@@ -6,6 +6,7 @@ use trirrr_core::setpoint::Pose;
 use trirrr_plan::corner::round_corners;
 use trirrr_plan::course::PathPiece;
 use trirrr_plan::piece::Piece;
+use trirrr_scene::words::six_digits;
 use trirrr_scene::{Dwell, JobPath, LevelRow, OutputBits, PathOutputs, Tool};
 use trirrr_toolpath::{
     Act, Element, OutputAct, PathFault, ToolCurve, ToolMotion, ToolPlace, ToolWork,
@@ -116,7 +117,10 @@ impl PathReader {
                     return Err(PathFault {
                         line: element.line,
                         word: String::new(),
-                        reason: format!("a stand of {seconds} s is longer than a machine counts"),
+                        reason: format!(
+                            "a stand of {} s is longer than a machine counts",
+                            six_digits(*seconds)
+                        ),
                     });
                 }
                 self.note_tool(source, tool_of(element.tool, None), sink);

@@ -193,3 +193,9 @@ pub(crate) fn short(text: &str) -> String {
         .chain(more.chars())
         .collect()
 }
+
+/// A number in six significant digits at most.
+pub(crate) fn six(value: f64) -> String {
+    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
+    format!("{rounded}")
+}

@@ -305,6 +305,17 @@ fn what_is_hidden_is_left_out_and_what_cannot_be_drawn_is_refused() {
         ("0 INSERT 8 0 2 none", "INSERT", "no block \"none\""),
         ("0 LINE 8 0 10 0 20 0 11 1e99 21 0", "LINE", "beyond"),
         ("0 LINE 8 0 10 nan 20 0 11 1 21 0", "LINE", "no number"),
+        ("0 LINE 8 0 10 1,5 20 0 11 1 21 0", "1,5", "comma: 1.5"),
+        (
+            "0 ARC 8 0 10 0 20 0 40 -,25 50 0 51 9",
+            "-,25",
+            "comma: -.25",
+        ),
+        (
+            "0 ARC 8 0 10 1.234,5 20 0 40 2 50 0 51 9",
+            "1.234,5",
+            "one decimal sign",
+        ),
         ("0 SPLINE 8 0 71 3 10 0 20 0 30 0", "SPLINE", "no spline"),
         ("", "", "nothing in the file is drawn"),
         (

@@ -3,7 +3,7 @@
 use super::drawing_args::DrawingArgs;
 use super::image_args::ImageArgs;
 use super::kind::JobKind;
-use crate::arguments::SetArgs;
+use crate::arguments::{SetArgs, expected};
 use clap::Args;
 use std::path::PathBuf;
 use trirrr_jobs::JobOptions;
@@ -73,9 +73,7 @@ impl ZArgs {
 fn height(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.abs() <= 1e6 => Ok(value),
-        _ => Err(
-            "expected a height in mm with a decimal point; --tool-by-z alone is one of 0".into(),
-        ),
+        _ => Err(expected(text, "a height from -1000000 to 1000000 (mm)")),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Arguments that say what a drawing, an image or a table of poses leaves open.
 
 use super::kind::JobKind;
-use crate::arguments::factor;
+use crate::arguments::{expected, factor};
 use clap::{Args, ValueEnum};
 use trirrr_jobs::{DrawingOptions, PenOption};
 #[cfg(feature = "full")]
@@ -185,7 +185,7 @@ pub struct PenArg {
 fn part(text: &str) -> Result<f64, String> {
     match text.parse() {
         Ok(value) if (0.0..=1.0).contains(&value) => Ok(value),
-        _ => Err("expected a part from 0 to 1".into()),
+        _ => Err(expected(text, "a part from 0 to 1")),
     }
 }
 

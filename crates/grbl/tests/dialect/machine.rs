@@ -6,6 +6,7 @@ use trirrr_grbl::{
     ContactsView, Dialect, MachineAct, MachineFacts, MachinePhase, MachineView, MotionCheck,
     ProbeEnd,
 };
+use trirrr_toolpath::gcode::ZWords;
 use trirrr_toolpath::{Act, Element, OutputAct, ToolMotion, ToolPlace};
 
 /// A square around the origin, m.
@@ -39,16 +40,22 @@ pub(crate) struct Machine {
     pub(crate) outputs: Vec<(u64, OutputAct)>,
     /// Ends of programs.
     pub(crate) ends: u32,
+    /// Power of each motion.
+    pub(crate) powers: Vec<f64>,
 }
 
 impl Machine {
     pub(crate) fn new() -> Self {
+        Self::with_z(ZWords::Refused)
+    }
+
+    pub(crate) fn with_z(z: ZWords) -> Self {
         let facts = MachineFacts {
             name: "test".into(),
             travel_m: [1.0, 1.0],
             has_homing: false,
             motions: 16,
-            z: Default::default(),
+            z,
             outputs: 2,
             inputs: 2,
         };
@@ -80,6 +87,7 @@ impl Machine {
             begun: 0,
             outputs: Vec::new(),
             ends: 0,
+            powers: Vec::new(),
         };
         machine.connect();
         machine
@@ -142,6 +150,8 @@ impl Machine {
         match act {
             MachineAct::Motion(element) | MachineAct::Probe { element, .. } => {
                 self.motions += 1;
+                self.powers
+                    .push(element.tool.map_or(0.0, |tool| tool.power));
                 self.queue(&element);
                 if matches!(act, MachineAct::Probe { .. }) {
                     self.is_started = true;

@@ -2,6 +2,7 @@
 
 use crate::machine::{Machine, Random, answers};
 use std::time::Duration;
+use trirrr_toolpath::gcode::ZWords;
 
 fn ms(ms: u64) -> Duration {
     Duration::from_millis(ms)
@@ -117,4 +118,41 @@ fn every_end_of_a_line_is_one_answer() {
         answers(&said) == 1 && said.ends_with("error:11\r\n"),
         "{said}"
     );
+}
+
+/// Z is the tool of a pen; a lift with the tool on is refused where words of Z have no effect.
+#[test]
+fn the_tool_follows_z() {
+    let mut pen = Machine::with_z(ZWords::Tool { on_at_m: 0.0 });
+    pen.send(b"$X\n");
+    for line in ["G0 X1", "G0 Z-1", "G1 X3 F600", "G0 X4", "G1 Z2", "X5"] {
+        assert!(
+            pen.send(format!("{line}\n").as_bytes()).ends_with("ok\r\n"),
+            "{line}"
+        );
+    }
+    assert_eq!(pen.powers, [0.0, 1.0, 1.0, 0.0]);
+    let mut blind = Machine::with_z(ZWords::Ignored);
+    blind.send(b"$X\n");
+    blind.send(b"M3 S1 F600\nG1 Z-1\nX1\nZ3\n");
+    let said = blind.send(b"X2\n");
+    assert!(
+        said.contains("--tool-by-z") && said.ends_with("error:20\r\n"),
+        "{said}"
+    );
+}
+
+/// M6 of another tool waits as M0, and says for which.
+#[test]
+fn another_tool_is_waited_for() {
+    let mut machine = unlocked();
+    assert_eq!(machine.now(b"T3 M6\n"), "ok\r\n");
+    machine.send(b"G1 X1 F600\n");
+    let said = machine.send(b"M6 T4 (a fine pen)\n");
+    assert!(
+        said.contains("[MSG:change to tool 4 (a fine pen)]"),
+        "{said}"
+    );
+    assert_eq!(answers(&said), 0);
+    assert_eq!(answers(&machine.send(b"~")), 1);
 }

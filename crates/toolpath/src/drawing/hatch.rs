@@ -1,7 +1,7 @@
 //! Fill of an area with parallel lines.
 
 use super::{Area, Drawing, FLATNESS_M, Stroke, StrokeCurve};
-use crate::PathFault;
+use crate::{PathFault, six};
 
 /// Most lines of a drawing's fill.
 const LINES_MAX: f64 = 1e6;
@@ -54,7 +54,7 @@ fn hatch(area: &Area, pitch_m: f64, strokes: &mut Vec<Stroke>) -> Result<(), Pat
             word: String::new(),
             reason: format!(
                 "the fill has more than {LINES_MAX} lines; take a larger distance of lines than {} mm",
-                1e3 * pitch_m
+                six(1e3 * pitch_m)
             ),
         });
     }

@@ -22,7 +22,7 @@ pub use stroke::{Stroke, StrokeCurve};
 #[cfg(feature = "svg")]
 pub use svg::read_svg;
 
-use crate::{Act, Element, PathRemark, ToolCurve, ToolMotion, ToolPlace, ToolWork};
+use crate::{Act, Element, PathRemark, ToolCurve, ToolMotion, ToolPlace, ToolWork, short};
 
 /// Largest distance of a chord from its curve, m, where a curve is measured or filled.
 const FLATNESS_M: f64 = 1e-5;
@@ -204,11 +204,14 @@ impl Drawing {
         let way = if line % 2 == 1 { "way to " } else { "" };
         let number = stroke.shape + 1;
         let shape = self.shapes.get(stroke.shape);
-        match shape.map_or(("", ""), |shape| (&shape.name, &shape.layer)) {
-            ("", "") => format!("{way}shape {number}"),
-            (name, "") => format!("{way}shape {number} ({name})"),
-            ("", layer) => format!("{way}shape {number} (layer {layer})"),
-            (name, layer) => format!("{way}shape {number} ({name}, layer {layer})"),
+        let names = shape.map_or(Default::default(), |shape| {
+            [&shape.name, &shape.layer].map(|name| short(name))
+        });
+        match names.each_ref().map(String::as_str) {
+            ["", ""] => format!("{way}shape {number}"),
+            [name, ""] => format!("{way}shape {number} ({name})"),
+            ["", layer] => format!("{way}shape {number} (layer {layer})"),
+            [name, layer] => format!("{way}shape {number} ({name}, layer {layer})"),
         }
     }
 }

@@ -118,15 +118,14 @@ impl<'t> LineRun<'_, 't> {
         };
         self.state.program.ramps += 1;
         let tools = [from, to].map(|z_m| self.tool_at(z_m, tool));
-        if part == 0.0 || part == 1.0 {
-            let tool = if part == 1.0 { tools[0] } else { tools[1] };
-            return self.push(tool, Act::Motion(motion));
-        }
         let (first, second) = cut(start, motion, part);
-        for (tool, motion, from) in [(tools[0], first, start), (tools[1], second, first.to)] {
-            if goes(from, &motion) {
-                self.push(tool, Act::Motion(motion));
+        match (goes(start, &first), goes(first.to, &second)) {
+            (true, true) => {
+                self.push(tools[0], Act::Motion(first));
+                self.push(tools[1], Act::Motion(second));
             }
+            (false, _) => self.push(tools[1], Act::Motion(motion)),
+            (true, false) => self.push(tools[0], Act::Motion(motion)),
         }
     }
 

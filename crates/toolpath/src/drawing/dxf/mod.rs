@@ -13,7 +13,7 @@ mod text;
 use super::doubles::take_doubles;
 use super::join::join;
 use super::{Area, Drawing, Stroke};
-use crate::{PathFault, PathRemark, short};
+use crate::{PathFault, PathRemark, short, six};
 use colour::layer_look;
 use encoding_rs::UTF_8;
 use names::Names;
@@ -71,7 +71,11 @@ pub fn read_dxf(bytes: &[u8], choices: &DxfChoices) -> Result<Drawing, PathFault
     let names = Names::read(&text)?;
     let padded = with_heights(&text);
     let file = dxf::Drawing::load_with_encoding(&mut Cursor::new(padded.as_bytes()), UTF_8)
-        .map_err(|error| fault(0, "", &format!("no DXF file: {error}")))?;
+        .map_err(|error| {
+            // The library may quote the file.
+            let error: String = error.to_string().chars().take(120).collect();
+            fault(0, "", &format!("no DXF file: {error}"))
+        })?;
     let unit = match choices.unit_m {
         Some(length_m) => FileUnit {
             length_m,
@@ -144,12 +148,6 @@ fn check_size(drawing: &Drawing, unit: &FileUnit) -> Result<(), PathFault> {
         return Err(fault(0, "", &reason));
     }
     Ok(())
-}
-
-/// Six digits of a length.
-fn six(value: f64) -> String {
-    let rounded: f64 = format!("{value:.5e}").parse().unwrap_or(value);
-    format!("{rounded}")
 }
 
 fn length(metres: f64) -> String {

@@ -1,7 +1,7 @@
 //! Names and lines of the entities in a DXF file: what its library leaves out would be left out silently.
 
 use super::fault;
-use crate::PathFault;
+use crate::{PathFault, short};
 use std::collections::{HashMap, HashSet};
 
 /// Entity of the file.
@@ -130,6 +130,9 @@ impl Names {
                 .next()
                 .ok_or_else(|| damaged("no DXF file: it ends behind a code"))?;
             let value = value.trim();
+            if in_entity && is_length(code) && value.contains(',') {
+                return Err(decimal_comma(line, value));
+            }
             if let (0, At::Layer(name, true)) = (code, &at) {
                 names.frozen.insert(name.to_lowercase());
             }
@@ -181,4 +184,23 @@ impl Names {
             _ => None,
         }
     }
+}
+
+/// Returns true for the codes of coordinates, lengths, angles and factors.
+fn is_length(code: i32) -> bool {
+    matches!(code, 10..60 | 210..240)
+}
+
+/// Refusal of a number with a comma: it is told as it was meant.
+fn decimal_comma(line: u32, value: &str) -> PathFault {
+    let reason = match value.split_once(',') {
+        Some((whole, part)) if !part.contains([',', '.']) && !whole.contains('.') => {
+            format!(
+                "the decimal sign is a point, not a comma: {}",
+                short(&format!("{whole}.{part}"))
+            )
+        }
+        _ => "a number has one decimal sign, a point, and nothing between its other digits".into(),
+    };
+    fault(line, value, &reason)
 }

@@ -10,8 +10,8 @@ use super::names::{EntityFate, Named, Names};
 use super::place::Affine;
 use super::spline::Nurbs;
 use super::{DxfChoices, fault};
-use crate::PathFault;
 use crate::drawing::{Drawing, Rgb, Shape, Stroke};
+use crate::{PathFault, short};
 use dxf::Vector;
 use dxf::entities::{Entity, EntityType, Insert};
 use std::collections::{BTreeMap, HashMap};
@@ -147,8 +147,8 @@ impl Reader<'_> {
         let refused = |reason: &str| fault(named.line, &named.name, reason);
         let named_so = |name: &str| name.to_lowercase() == insert.name.to_lowercase();
         let block = self.file.blocks().find(|block| named_so(&block.name));
-        let block =
-            block.ok_or_else(|| refused(&format!("there is no block {:?}", insert.name)))?;
+        let block = block
+            .ok_or_else(|| refused(&format!("there is no block {:?}", short(&insert.name))))?;
         if frame.depth == DEPTH_MAX {
             return Err(refused("blocks are nested too deeply, or in themselves"));
         }
