@@ -38,9 +38,9 @@ pub(super) struct Block<'a> {
 }
 
 /// Letters of values.
-const LETTERS: [u8; 14] = *b"AFIJKLPQRSTXYZ";
+const LETTERS: [u8; 15] = *b"AFHIJKLPQRSTXYZ";
 /// Number of modal groups of G codes, so the most G codes in a line.
-const GROUPS: usize = 11;
+const GROUPS: usize = 12;
 /// Number of modal groups of M codes.
 const MISC_GROUPS: usize = 6;
 
@@ -233,18 +233,21 @@ fn not_negative(letter: u8) -> Option<&'static str> {
 fn no_code(tenths: u32) -> RefusalKind {
     let whole = tenths / 10;
     // Codes with fractions of their own, some of which are not supported.
-    let has_fractions = matches!(whole, 28 | 30 | 61 | 64 | 90 | 91 | 92);
+    let has_fractions = matches!(whole, 28 | 30 | 43 | 61 | 64 | 90 | 91 | 92);
     match !tenths.is_multiple_of(10) && !has_fractions && codes::general(whole * 10).is_ok() {
         true => RefusalKind::NotWhole,
         false => RefusalKind::Unsupported,
     }
 }
 
+/// Reason to refuse a number of a table of tools.
+pub(super) const NO_TABLE: &str = "there is no tool table; remove the word";
+
 fn unknown_letter(letter: u8) -> &'static str {
     match letter {
         b'E' => "the machine has no extruder; remove the word",
         b'B' | b'C' | b'U' | b'V' | b'W' => "the machine has no such axis; axes are X, Y and A",
-        b'D' | b'H' => "there is no tool table; remove the word",
+        b'D' => NO_TABLE,
         _ => "words with this letter are not supported; remove the word",
     }
 }

@@ -18,8 +18,10 @@ pub(super) enum GeneralCode {
     Unit(LengthUnit),
     /// G40: no compensation for the width of the tool.
     Compensation,
-    /// G49: no compensation for the length of the tool.
-    ToolLength,
+    /// G43, G49: the length of the tool, which words of Z know already, and no such length.
+    ToolLength {
+        of_table: bool,
+    },
     Origin(usize),
     Path(PathMode),
 }
@@ -98,10 +100,11 @@ pub(super) fn general(tenths: u32) -> Result<GeneralCode, &'static str> {
         170 => G::Plane(modal::Plane::Xy),
         180 => G::Plane(modal::Plane::Zx),
         190 => G::Plane(modal::Plane::Yz),
-        200 => G::Unit(LengthUnit::Inch),
-        210 => G::Unit(LengthUnit::Millimetre),
+        200 | 700 => G::Unit(LengthUnit::Inch),
+        210 | 710 => G::Unit(LengthUnit::Millimetre),
         400 => G::Compensation,
-        490 => G::ToolLength,
+        430 => G::ToolLength { of_table: true },
+        490 => G::ToolLength { of_table: false },
         540 => G::Origin(0),
         550 => G::Origin(1),
         560 => G::Origin(2),
@@ -125,6 +128,8 @@ pub(super) fn general(tenths: u32) -> Result<GeneralCode, &'static str> {
 pub(super) fn group(code: GeneralCode) -> u32 {
     match code {
         GeneralCode::Once(_) => 0,
+        // Posts of many controls end cycles in the line of a motion.
+        GeneralCode::Motion(MotionMode::None) => 9,
         GeneralCode::Motion(_) => 1,
         GeneralCode::Plane(_) => 2,
         GeneralCode::Distance { .. } => 3,
@@ -132,7 +137,7 @@ pub(super) fn group(code: GeneralCode) -> u32 {
         GeneralCode::Feed(_) => 5,
         GeneralCode::Unit(_) => 6,
         GeneralCode::Compensation => 7,
-        GeneralCode::ToolLength => 8,
+        GeneralCode::ToolLength { .. } => 8,
         GeneralCode::Origin(_) => 12,
         GeneralCode::Path(_) => 13,
     }
@@ -141,6 +146,9 @@ pub(super) fn group(code: GeneralCode) -> u32 {
 /// Reason to refuse another plane than that of x and y.
 pub(super) const OTHER_PLANE: &str = "the machine moves in the plane of x and y; arcs need G17";
 
+/// Reason to refuse the length of a tool.
+pub(super) const NO_LENGTH: &str = "there is no compensation for the tool's length; use G49";
+
 fn no_general(tenths: u32) -> &'static str {
     match tenths {
         50..60 => "splines are not supported; write the curve as G1, G2 or G3",
@@ -148,8 +156,8 @@ fn no_general(tenths: u32) -> &'static str {
         281 | 301 => "positions are not stored by programs; set the goal of G28 in the setup",
         300 => "there is no second home; use G28, or G53 G0 with coordinates",
         380..390 => "jobs do not probe; `trirrr grbl` takes G38.2 to G38.5 from a sender",
-        410..430 => "there is no compensation for the tool's width; offset the path and use G40",
-        430..440 => "there is no compensation for the tool's length; use G49",
+        410..=429 => "there is no compensation for the tool's width; offset the path and use G40",
+        431..440 => NO_LENGTH,
         591..600 => "there are six coordinate systems; use G54 to G59",
         730 | 760 | 810..900 => "canned cycles are not supported; write the motions as G0 and G1",
         922 | 923 => "the offset of G92 cannot be suspended; use G92.1, and G92 again",

@@ -24,7 +24,7 @@ impl<'t> LineRun<'_, 't> {
         let mode = self.state.modal.motion;
         let fixed_frame = self.once == Some(OnceCode::FixedFrame);
         if fixed_frame {
-            self.check_fixed_frame(words)?;
+            self.check_fixed_frame()?;
         }
         let direction = match mode {
             MotionMode::Clockwise => Some(Direction::Clockwise),
@@ -97,7 +97,7 @@ impl<'t> LineRun<'_, 't> {
         self.rapid(self.near(place(goal))?)
     }
 
-    fn check_fixed_frame(&self, words: &AxisWords<'t>) -> Result<(), GcodeRefusal> {
+    fn check_fixed_frame(&self) -> Result<(), GcodeRefusal> {
         if !matches!(
             self.state.modal.motion,
             MotionMode::Rapid | MotionMode::Line
@@ -115,7 +115,7 @@ impl<'t> LineRun<'_, 't> {
                 "the code needs absolute coordinates: G90",
             ));
         }
-        self.need_axes(words, "G53")
+        Ok(())
     }
 
     fn rapid(&mut self, goal: ToolPlace) -> Result<(), GcodeRefusal> {

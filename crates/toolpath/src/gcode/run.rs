@@ -1,6 +1,6 @@
 //! One block, carried out on a copy of the state.
 use super::block::Block;
-use super::codes::{GeneralCode, MiscCode, OTHER_PLANE, OnceCode, ProgramEnd};
+use super::codes::{GeneralCode, MiscCode, NO_LENGTH, OTHER_PLANE, OnceCode, ProgramEnd};
 use super::modal::{FeedMode, LaserMode, Modal, MotionMode, PathMode, Plane};
 use super::pins::{NO_MOTION, OutputCode};
 use super::refusal::{GcodeRefusal, RefusalKind, refusal};
@@ -28,6 +28,8 @@ pub(super) struct LineRun<'b, 't> {
     pause: bool,
     /// M6 stands in the block.
     change: bool,
+    /// G43 does.
+    pub(super) length: bool,
     /// Number of a tool for which the program waits.
     pub(super) awaited: Option<u32>,
     /// Heights at the start and the end of the block's way, m, and the part of it that is behind.
@@ -51,6 +53,7 @@ impl<'b, 't> LineRun<'b, 't> {
             input: None,
             pause: false,
             change: false,
+            length: false,
             awaited: None,
             heights: [f64::INFINITY; 2],
             done: 0.0,
@@ -146,6 +149,8 @@ impl<'b, 't> LineRun<'b, 't> {
         for word in block.general() {
             match word.code {
                 GeneralCode::Once(once) => self.once = Some(once),
+                // A cycle that ends in the line of a motion leaves the motion.
+                GeneralCode::Motion(MotionMode::None) if self.named.is_some() => {}
                 GeneralCode::Motion(motion) => {
                     modal.motion = motion;
                     self.named = Some(motion);
@@ -173,7 +178,11 @@ impl<'b, 't> LineRun<'b, 't> {
                     }
                     modal.plane = plane;
                 }
-                GeneralCode::Compensation | GeneralCode::ToolLength => {}
+                GeneralCode::ToolLength { of_table: true } if fixed.z == ZWords::Refused => {
+                    return Err(block.refuse(RefusalKind::Unsupported, word.text, NO_LENGTH));
+                }
+                GeneralCode::ToolLength { of_table } => self.length = of_table,
+                GeneralCode::Compensation => {}
             }
         }
         for word in block.miscellaneous() {

@@ -1,5 +1,5 @@
 //! Words and the codes of the block that use them.
-use super::block::ValueWord;
+use super::block::{NO_TABLE, ValueWord};
 use super::codes::OnceCode;
 use super::modal::MotionMode;
 use super::refusal::{GcodeRefusal, RefusalKind};
@@ -39,6 +39,10 @@ impl LineRun<'_, '_> {
                     .block
                     .refuse(RefusalKind::Unsupported, word.text, reason));
             }
+        }
+        if let (Some(word), false) = (self.block.value(b'H'), self.length) {
+            let kind = RefusalKind::Unsupported;
+            return Err(self.block.refuse(kind, word.text, NO_TABLE));
         }
         let dwell_or_origin = matches!(self.once, Some(OnceCode::Dwell | OnceCode::SetOrigin));
         // A dwell under a modal arc has P for itself, unless there is an arc in its line.

@@ -117,7 +117,6 @@ fn g53_holds_for_its_line_alone() {
     assert_eq!(places.len(), 2, "x is zero of the shift already");
     same(interpreter.place(), place(10.0, 1.0, 10.0));
     for text in [
-        "G53",
         "G2 G53 X1 I1 F1",
         "G91 G53 X1",
         "G80 G53 X1",

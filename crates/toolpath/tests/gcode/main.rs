@@ -9,6 +9,7 @@ mod height;
 mod inputs;
 mod modes;
 mod outputs;
+mod posts;
 mod programs;
 mod refusals;
 mod syntax;

@@ -60,7 +60,7 @@ fn codes_of_one_modal_group_exclude_each_other() {
         "G0 G1 X1 F1",
         "G1 G1 X1 F1",
         "G2 G3 I1 F1",
-        "G80 G0",
+        "G80 G80",
         "G90 G91",
         "G90.1 G91.1",
         "G93 G94",
