@@ -4,7 +4,7 @@ use crate::fit::{Fitted, fit};
 use crate::options::DrawingOptions;
 use trirrr_scene::Scene;
 use trirrr_scene::words::six_digits;
-use trirrr_toolpath::drawing::{Drawing, DrawingSetup};
+use trirrr_toolpath::drawing::{Drawing, DrawingSetup, Kerf, OffTravel};
 use trirrr_toolpath::{PathFault, PathRemark, ToolPlace};
 
 /// Drawing of a file, and its place on a machine.
@@ -15,6 +15,8 @@ pub struct PlacedDrawing {
     pub setup: DrawingSetup,
     /// Place that was found for it.
     pub fitted: Option<Fitted>,
+    /// Ways with the tool off, m in the drawing.
+    pub travel: OffTravel,
 }
 
 impl PlacedDrawing {
@@ -104,16 +106,40 @@ pub fn place(
         let Fitted { scale, origin_m } = *fitted.insert(fit(bounds, 0.0, setup.scale, scene)?);
         (setup.scale, setup.origin.position_m) = (scale, origin_m);
     }
+    if let Some(kerf) = &options.kerf {
+        beside(&mut drawing, kerf, setup.scale)?;
+    }
     // After the scale is known: lines have their distance on the machine.
     if let Some(pitch_m) = options.hatch_m {
         drawing.fill(pitch_m / setup.scale)?;
     }
     let [x, y] = setup.origin.position_m;
     let at = [start.position.x - x, start.position.y - y];
-    drawing.order(at.map(|distance| distance / setup.scale));
+    let travel = drawing.order(at.map(|distance| distance / setup.scale));
     Ok(PlacedDrawing {
         drawing,
         setup,
         fitted,
+        travel,
     })
+}
+
+/// Moves the closed outlines of a drawing; its lengths are `scale` times as long on the machine.
+#[cfg(feature = "offset")]
+fn beside(drawing: &mut Drawing, kerf: &Kerf, scale: f64) -> Result<(), PathFault> {
+    drawing.offset(&Kerf {
+        offset_m: kerf.offset_m / scale,
+        lead_m: kerf.lead_m / scale,
+    })?;
+    match drawing.strokes.is_empty() {
+        true => Err(fault(
+            "--offset: nothing is left: every outline is narrower".into(),
+        )),
+        false => Ok(()),
+    }
+}
+
+#[cfg(not(feature = "offset"))]
+fn beside(_: &mut Drawing, _: &Kerf, _: f64) -> Result<(), PathFault> {
+    Err(fault("--offset and --lead are in trirrr-full alone".into()))
 }

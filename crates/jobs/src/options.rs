@@ -1,6 +1,6 @@
 //! Options of a job: what its file leaves open.
 
-use trirrr_toolpath::drawing::{Pen, PenKey};
+use trirrr_toolpath::drawing::{Kerf, Pen, PenKey};
 use trirrr_toolpath::gcode::ZWords;
 use trirrr_toolpath::{ToolPlace, ToolWork};
 
@@ -47,6 +47,8 @@ pub struct DrawingOptions {
     pub pens: Vec<PenOption>,
     /// Distance of the lines that fill areas, m. None: areas are not filled.
     pub hatch_m: Option<f64>,
+    /// Distance of the tool from closed outlines, and leads, on the machine. None: the tool goes along the outlines.
+    pub kerf: Option<Kerf>,
     /// Length on the machine of a length 1 in the drawing. None: 1.
     pub scale: Option<f64>,
     /// The drawing goes where the machine has the most room for its shape, and is made smaller where it does not fit.

@@ -9,7 +9,7 @@ use crate::remarks::JobWatch;
 use std::io::BufRead;
 use std::path::Path;
 use trirrr_scene::{JobPath, Scene};
-use trirrr_toolpath::drawing::Drawing;
+use trirrr_toolpath::drawing::{Drawing, OffTravel};
 use trirrr_toolpath::gcode::{self, GcodeSetup};
 use trirrr_toolpath::table::{TableSetup, read_table};
 use trirrr_toolpath::{Element, PathFault, ToolPlace};
@@ -29,6 +29,8 @@ pub struct ReadJob {
     pub places: ElementPlaces,
     /// Place that was found for it.
     pub fitted: Option<Fitted>,
+    /// Ways with the tool off that a drawing has, m on the machine.
+    pub travel: Option<OffTravel>,
 }
 
 impl ReadJob {
@@ -120,12 +122,21 @@ pub fn drawing_job(
 ) -> Result<ReadJob, PathFault> {
     let origin_m = level_origin_m(options)?;
     let mut placed = place(drawing, machine, origin_m, &options.drawing)?;
+    let scale = placed.setup.scale;
+    let travel = OffTravel {
+        in_file_m: scale * placed.travel.in_file_m,
+        ordered_m: scale * placed.travel.ordered_m,
+    };
     let elements = placed.drawing.elements(&placed.setup);
     let (fitted, remarks) = (placed.fitted, std::mem::take(&mut placed.drawing.remarks));
     let places = PlacesIn::Drawing(Box::new(placed));
     let mut job = element_job(&elements, machine, options, places)?;
     job.watch.say(remarks);
-    Ok(ReadJob { fitted, ..job })
+    Ok(ReadJob {
+        fitted,
+        travel: Some(travel),
+        ..job
+    })
 }
 
 /// Path of `elements`.
@@ -169,6 +180,7 @@ pub fn finish_job(
             repeat,
         },
         fitted: None,
+        travel: None,
     })
 }
 

@@ -9,7 +9,7 @@ use crate::judge::{Judgement, Objection, judge_quickly, misfit};
 use crate::levels::JobLevels;
 use crate::offer::CAPACITY;
 use crate::outputs::JobOutputs;
-use crate::reach_map::Reach;
+use crate::reach_map::StartReach;
 use crate::read::Document;
 use crate::tool::follows_speed;
 use crate::unplanned::Unplanned;
@@ -484,7 +484,7 @@ fn shortest_reach_m(scene: &Scene) -> f64 {
 
 /// Refusal of a piece that ends where the machine is not: known without a plan of those before it.
 fn refused_at_once(scene: &Scene, path: &JobPath) -> Option<Unplanned> {
-    let reach = Reach::new(scene, &scene.job.start).ok()?;
+    let reach = StartReach::new(scene, &scene.job.start).ok()?;
     let is_beyond = |each: &&PathPiece| reach.margin(&each.piece.at(1.0).pose).is_none();
     let piece = path.pieces.iter().find(is_beyond)?;
     let alone = JobPath {

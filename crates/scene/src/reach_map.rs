@@ -40,7 +40,7 @@ pub struct Room {
 }
 
 /// Poses that a machine has on the side of the singularities on which it starts.
-pub(crate) struct Reach {
+pub(crate) struct StartReach {
     machine: Box<dyn Pipeline<f64>>,
     /// Least distances to the serial and parallel singularities.
     least: [f64; 2],
@@ -49,7 +49,21 @@ pub(crate) struct Reach {
     holds_start: bool,
 }
 
-impl Reach {
+/// Corners of the rectangle beyond which a leg is too short, m.
+fn legs_box(legs: &[LegParameters; 3]) -> [[f64; 2]; 2] {
+    let reach = |leg: &LegParameters| leg.proximal_m + leg.distal_m + leg.joint_radius_m;
+    let low = [0, 1].map(|axis: usize| {
+        let sides = legs.iter().map(|leg| leg.base_m[axis] - reach(leg));
+        sides.fold(f64::NEG_INFINITY, f64::max)
+    });
+    let high = [0, 1].map(|axis: usize| {
+        let sides = legs.iter().map(|leg| leg.base_m[axis] + reach(leg));
+        sides.fold(f64::INFINITY, f64::min).max(low[axis])
+    });
+    [low, high]
+}
+
+impl StartReach {
     /// Reach of the machine of `scene` from `start`.
     ///
     /// # Errors
@@ -96,7 +110,7 @@ impl ReachMap {
     /// First quantity of the machine that is refused.
     pub fn new(scene: &Scene, start: &Pose<f64>) -> Result<Self, BuildError> {
         let mut map = Self::empty(&scene.parameters.legs);
-        let reach = Reach::new(scene, start)?;
+        let reach = StartReach::new(scene, start)?;
         if !reach.holds_start {
             return Ok(map);
         }
@@ -113,14 +127,7 @@ impl ReachMap {
 
     /// Grid over the places that no leg is too short for.
     fn empty(legs: &[LegParameters; 3]) -> Self {
-        let reach = |leg: &LegParameters| leg.proximal_m + leg.distal_m + leg.joint_radius_m;
-        let side = |axis: usize| {
-            let low = legs.iter().map(|leg| leg.base_m[axis] - reach(leg));
-            let high = legs.iter().map(|leg| leg.base_m[axis] + reach(leg));
-            let low = low.fold(f64::NEG_INFINITY, f64::max);
-            [low, high.fold(f64::INFINITY, f64::min).max(low)]
-        };
-        let [[left, right], [bottom, top]] = [side(0), side(1)];
+        let [[left, bottom], [right, top]] = legs_box(legs);
         let step_m = (right - left).max(top - bottom) / (NODES - 1) as f64;
         let nodes = |length: f64| match step_m > 0.0 {
             true => (length / step_m).round() as usize + 1,

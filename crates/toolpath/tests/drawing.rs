@@ -219,6 +219,43 @@ fn the_nearest_stroke_is_drawn_next_and_turned_where_that_is_shorter() {
     assert_near(found.strokes[2].end(), [0.0, 0.05]);
 }
 
+/// Every stroke once, none before one inside it, and ways that are at most those to the nearest.
+#[test]
+fn holes_come_first_and_ways_get_shorter() {
+    let mut content = String::from("<g fill='none' stroke='red'>");
+    for k in 0..12 {
+        let place = 5 * k % 12;
+        let (x, y) = (8.0 * f64::from(place % 4), 14.0 * f64::from(place / 4));
+        content += &format!(
+            "<rect id='o{k}' x='{x}' y='{y}' width='7' height='12'/><circle id='i{k}' cx='{}' cy='{}' r='2'/><path d='M{} {}h1'/>",
+            x + 3.0,
+            y + 4.0,
+            x + 2.5,
+            y + 4.0,
+        );
+    }
+    let mut found = drawing(&(content + "</g>"));
+    let travel = found.order([0.0, 0.05]);
+    assert!(travel.ordered_m < 0.7 * travel.in_file_m, "{travel:?}");
+    let order: Vec<usize> = found.strokes.iter().map(|stroke| stroke.shape).collect();
+    let mut all = order.clone();
+    all.sort_unstable();
+    assert_eq!(all, (0..36).collect::<Vec<_>>());
+    let place = |shape: usize| order.iter().position(|other| *other == shape);
+    for part in (0..36).step_by(3) {
+        assert!(
+            place(part + 2) < place(part + 1) && place(part + 1) < place(part),
+            "{order:?}"
+        );
+    }
+    // The nearest first is a trap here: turned round, the ways are shorter.
+    let mut trap = drawing(
+        "<g stroke='red'><path d='M21 50V49'/><path d='M18 50V49'/><path d='M30 50V49'/><path d='M5 50V49'/></g>",
+    );
+    let travel = trap.order([0.02, 0.0]);
+    assert!(travel.ordered_m <= 0.0415 + 4e-3, "{travel:?}");
+}
+
 #[test]
 fn the_tool_is_on_along_strokes_alone() {
     let mut found = drawing(

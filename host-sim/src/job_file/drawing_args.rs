@@ -1,12 +1,12 @@
 //! Arguments that say what a drawing, an image or a table of poses leaves open.
 
 use super::kind::JobKind;
-use crate::arguments::{expected, factor};
+use crate::arguments::{distance, expected, factor};
 use clap::{Args, ValueEnum};
 use trirrr_jobs::{DrawingOptions, PenOption};
 #[cfg(feature = "full")]
 use trirrr_toolpath::drawing::DxfChoices;
-use trirrr_toolpath::drawing::PenKey;
+use trirrr_toolpath::drawing::{Kerf, PenKey};
 
 /// Feed, pens and place of a drawing; feed and place of an image; feed of a table.
 #[derive(Args, Clone, Debug, Default)]
@@ -35,6 +35,12 @@ pub struct DrawingArgs {
     /// Drawing: fill areas with lines at this distance, mm. Areas of DXF are those inside closed outlines of a layer
     #[arg(long, value_name = "MM", requires = "machine", value_parser = factor)]
     pub hatch: Option<f64>,
+    /// Drawing: distance of the tool from closed outlines, mm: outward, at holes inward; negative: into the part
+    #[arg(long, value_name = "MM", requires = "machine", value_parser = offset, allow_hyphen_values = true)]
+    pub offset: Option<f64>,
+    /// Drawing: length of a way with the tool on, before and behind each closed outline, on the side of the waste, mm
+    #[arg(long, value_name = "MM", requires = "machine", value_parser = distance)]
+    pub lead: Option<f64>,
     /// Drawing, image: length on the machine of a length 1 in the drawing [default: 1]
     #[arg(long, value_name = "FACTOR", requires = "machine", value_parser = factor)]
     pub scale: Option<f64>,
@@ -47,7 +53,7 @@ impl DrawingArgs {
     /// Arguments that are given, each with the kinds of files that it is for.
     pub(super) fn given(&self) -> impl Iterator<Item = (&'static str, &'static [JobKind])> {
         use JobKind::{Drawing, Image, Table};
-        let given: [(bool, &str, &[JobKind]); 10] = [
+        let given: [(bool, &str, &[JobKind]); 12] = [
             (self.speed.is_some(), "--speed", &[Drawing, Image, Table]),
             (self.power.is_some(), "--power", &[Drawing, Image]),
             (
@@ -60,6 +66,8 @@ impl DrawingArgs {
             (self.unit.is_some(), "--unit", &[Drawing]),
             (self.drop_doubles, "--drop-doubles", &[Drawing]),
             (self.hatch.is_some(), "--hatch", &[Drawing]),
+            (self.offset.is_some(), "--offset", &[Drawing]),
+            (self.lead.is_some(), "--lead", &[Drawing]),
             (self.scale.is_some(), "--scale", &[Drawing, Image]),
             (self.fit, "--fit", &[Drawing, Image]),
         ];
@@ -114,6 +122,10 @@ impl DrawingArgs {
             constant_power: self.constant_power,
             pens: pens.collect(),
             hatch_m: self.hatch.map(|pitch_mm| 1e-3 * pitch_mm),
+            kerf: (self.offset.is_some() || self.lead.is_some()).then(|| Kerf {
+                offset_m: 1e-3 * self.offset.unwrap_or(0.0),
+                lead_m: 1e-3 * self.lead.unwrap_or(0.0),
+            }),
             scale: self.scale,
             fit: self.fit,
             drop_doubles: self.drop_doubles,
@@ -180,6 +192,13 @@ pub struct PenArg {
     pub power: Option<f64>,
     /// Speed along the strokes, mm/min. None: that of all strokes.
     pub feed: Option<f64>,
+}
+
+fn offset(text: &str) -> Result<f64, String> {
+    match text.parse() {
+        Ok(value) if (-100.0..=100.0).contains(&value) => Ok(value),
+        _ => Err("expected a distance from -100 to 100 (mm)".into()),
+    }
 }
 
 fn part(text: &str) -> Result<f64, String> {

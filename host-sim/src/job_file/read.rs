@@ -48,6 +48,13 @@ impl From<ReadJob> for ReadPath {
         if let Some(fitted) = job.fitted {
             say(&format!("--fit: as {fitted}"));
         }
+        // Where the order changes nothing there is nothing to tell.
+        if let Some(travel) = job.travel.filter(|way| way.ordered_m < way.in_file_m) {
+            let [ordered, in_file] = [travel.ordered_m, travel.in_file_m].map(|way| 1e3 * way);
+            say(&format!(
+                "order: the ways with the tool off are {ordered:.1} mm, in the order of the file {in_file:.1} mm"
+            ));
+        }
         Self {
             way: ReadWay::Whole(job.path),
             pauses: job.pauses,

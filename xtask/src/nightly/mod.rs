@@ -299,6 +299,21 @@ fn steps() -> Result<Vec<Step>> {
             ],
         ),
         Step::on_host(
+            "ten thousand random drawings, and Chromium's outlines of them",
+            "test",
+            &[
+                "--package",
+                "trirrr-toolpath",
+                "--features",
+                "svg",
+                "--test",
+                "svg_random",
+                "--",
+                "--ignored",
+                "--nocapture",
+            ],
+        ),
+        Step::on_host(
             "a million retargets",
             "test",
             &[

@@ -62,7 +62,7 @@ fn hatch(area: &Area, pitch_m: f64, strokes: &mut Vec<Stroke>) -> Result<(), Pat
         return Ok(());
     }
     // The lines stand in the middle of the height.
-    let rows = Rows {
+    let rows = FillRows {
         first: low + 0.5 * (high - low - lines * pitch_m),
         pitch_m,
         count: lines as usize + 1,
@@ -94,14 +94,14 @@ fn hatch(area: &Area, pitch_m: f64, strokes: &mut Vec<Stroke>) -> Result<(), Pat
 }
 
 /// Rows of a fill.
-struct Rows {
+struct FillRows {
     /// Height of the first, m.
     first: f64,
     pitch_m: f64,
     count: usize,
 }
 
-impl Rows {
+impl FillRows {
     /// Stretches of each row that are inside the edges.
     fn inside(&self, edges: &[Edge], non_zero: bool) -> Vec<Vec<[f64; 2]>> {
         let mut crossings: Vec<Vec<(f64, i32)>> = vec![Vec::new(); self.count];

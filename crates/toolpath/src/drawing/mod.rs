@@ -10,7 +10,10 @@ mod flat;
 mod hatch;
 #[cfg(any(feature = "dxf", feature = "svg"))]
 mod join;
+#[cfg(feature = "offset")]
+mod offset;
 mod order;
+mod outline;
 mod stroke;
 #[cfg(feature = "svg")]
 mod svg;
@@ -18,6 +21,7 @@ mod svg;
 #[cfg(feature = "dxf")]
 pub use dxf::{DxfChoices, read_dxf};
 pub use flat::FlatDrawing;
+pub use order::OffTravel;
 pub use stroke::{Stroke, StrokeCurve};
 #[cfg(feature = "svg")]
 pub use svg::read_svg;
@@ -93,6 +97,16 @@ pub enum PenKey {
     Colour(Rgb),
     /// Those of a layer.
     Layer(String),
+}
+
+/// Half the width of what the tool takes away, and the way on which it comes to an outline.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Kerf {
+    /// Distance of the tool from closed outlines, m: away from the part, which is outward at an outer one and inward at a
+    /// hole. Negative: into the part.
+    pub offset_m: f64,
+    /// Length of a straight way to and from each closed outline with the tool on, m; 0: none.
+    pub lead_m: f64,
 }
 
 /// Pens, and the place of a drawing on the machine.

@@ -152,7 +152,7 @@ pub(super) fn point_at(from: [f64; 2], curve: &StrokeCurve, p: f64) -> [f64; 2] 
     }
 }
 
-fn at_parameter([a, b, c, d]: [[f64; 2]; 4], p: f64) -> [f64; 2] {
+pub(super) fn at_parameter([a, b, c, d]: [[f64; 2]; 4], p: f64) -> [f64; 2] {
     let q = 1.0 - p;
     let weights = [q * q * q, 3.0 * q * q * p, 3.0 * q * p * p, p * p * p];
     [0, 1].map(|axis| {

@@ -1,19 +1,19 @@
 //! Chains of curves: parts of a path that are drawn without a break.
 
-use super::curve::{Curve, distance, map_point};
+use super::curve::{PathCurve, distance, map_point};
 use crate::drawing::{Rgb, Stroke};
 use kurbo::Affine;
 
 /// Chain of curves.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Chain {
+pub(super) struct CurveChain {
     pub(super) start: [f64; 2],
-    pub(super) curves: Vec<Curve>,
+    pub(super) curves: Vec<PathCurve>,
     /// The path is closed here, be it in a point.
     pub(super) closed: bool,
 }
 
-impl Chain {
+impl CurveChain {
     /// Chain that begins in a point.
     pub(super) fn new(start: [f64; 2]) -> Self {
         Self {
@@ -24,13 +24,13 @@ impl Chain {
     }
 
     pub(super) fn end(&self) -> [f64; 2] {
-        self.curves.last().map_or(self.start, Curve::end)
+        self.curves.last().map_or(self.start, PathCurve::end)
     }
 
     /// Goes straight to a point, if that is not where the chain is.
     pub(super) fn line(&mut self, to: [f64; 2]) {
         if self.end() != to {
-            self.curves.push(Curve::Line(to));
+            self.curves.push(PathCurve::Line(to));
         }
     }
 
@@ -41,7 +41,7 @@ impl Chain {
     }
 
     /// Curves with their starts.
-    pub(super) fn curves(&self) -> impl Iterator<Item = ([f64; 2], &Curve)> {
+    pub(super) fn curves(&self) -> impl Iterator<Item = ([f64; 2], &PathCurve)> {
         let mut at = self.start;
         self.curves
             .iter()
@@ -77,9 +77,9 @@ impl Chain {
     /// Points whose hull holds the chain.
     pub(super) fn hull(&self) -> impl Iterator<Item = [f64; 2]> {
         let points = self.curves.iter().flat_map(|curve| match *curve {
-            Curve::Line(to) => vec![to],
-            Curve::Bezier(points) => points.to_vec(),
-            Curve::Arc { centre, axes, .. } => {
+            PathCurve::Line(to) => vec![to],
+            PathCurve::Bezier(points) => points.to_vec(),
+            PathCurve::Arc { centre, axes, .. } => {
                 let corner =
                     |a: f64, b: f64| [0, 1].map(|i| centre[i] + a * axes[0][i] + b * axes[1][i]);
                 let sides = [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
@@ -92,7 +92,7 @@ impl Chain {
     /// Returns true if the chain surrounds an area: its points are on no line.
     pub(super) fn has_area(&self) -> bool {
         if self.curves.iter().any(
-            |curve| matches!(curve, Curve::Arc { axes: [a, b], .. } if a[0] * b[1] != a[1] * b[0]),
+            |curve| matches!(curve, PathCurve::Arc { axes: [a, b], .. } if a[0] * b[1] != a[1] * b[0]),
         ) {
             return true;
         }

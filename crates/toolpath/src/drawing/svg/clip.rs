@@ -1,14 +1,14 @@
 //! Clip paths and masks: the regions that they leave.
 
 use super::XmlNode;
-use super::css::Declared;
+use super::css::DeclaredStyle;
 use super::paint::SEEN;
 use super::path::rectangle;
-use super::region::{Region, RegionShape};
-use super::state::{Mode, State};
+use super::region::{ClipRegion, RegionShape};
+use super::state::{DrawState, Mode};
 use super::style::{Ink, reference};
-use super::values::Axis;
-use super::walk::Walk;
+use super::values::PartAxis;
+use super::walk::FileWalk;
 use crate::PathFault;
 use kurbo::Affine;
 use std::rc::Rc;
@@ -19,13 +19,13 @@ const WHOLE: f64 = 1.0 - SEEN;
 /// Most clip paths within each other.
 const CLIPS_MAX: usize = 16;
 
-impl<'d> Walk<'d> {
+impl<'d> FileWalk<'d> {
     /// Regions of the clip path and the mask of an element.
     pub(super) fn clips_of(
         &self,
-        declared: &Declared<'d>,
-        state: &State<'d>,
-    ) -> Result<Vec<Region>, PathFault> {
+        declared: &DeclaredStyle<'d>,
+        state: &DrawState<'d>,
+    ) -> Result<Vec<ClipRegion>, PathFault> {
         let mut regions = Vec::new();
         for name in ["clip-path", "-webkit-clip-path"] {
             if let Some(node) = self.referred(declared, state, name, "clipPath")? {
@@ -45,8 +45,8 @@ impl<'d> Walk<'d> {
     /// Element of a kind that a property names. None: it names none, or one that the file does not have.
     fn referred(
         &self,
-        declared: &Declared<'d>,
-        state: &State<'d>,
+        declared: &DeclaredStyle<'d>,
+        state: &DrawState<'d>,
         name: &str,
         kind: &str,
     ) -> Result<Option<XmlNode<'d, 'd>>, PathFault> {
@@ -68,9 +68,9 @@ impl<'d> Walk<'d> {
         &self,
         node: XmlNode<'d, 'd>,
         units: &str,
-        by: &Declared<'d>,
-        state: &State<'d>,
-    ) -> Result<Option<State<'d>>, PathFault> {
+        by: &DeclaredStyle<'d>,
+        state: &DrawState<'d>,
+    ) -> Result<Option<DrawState<'d>>, PathFault> {
         let mut map = state.map;
         let mut view = state.view;
         if node.attribute(units) == Some("objectBoundingBox") {
@@ -82,19 +82,19 @@ impl<'d> Walk<'d> {
                 * Affine::scale_non_uniform(bounds.width(), bounds.height());
             view = [1.0; 2];
         }
-        Ok(Some(State {
+        Ok(Some(DrawState {
             style: Rc::new(self.style_of(node, view)?),
             layer: "",
-            ..State::first(map, view)
+            ..DrawState::first(map, view)
         }))
     }
 
     fn add_clip(
         &self,
         node: XmlNode<'d, 'd>,
-        by: &Declared<'d>,
-        state: &State<'d>,
-        regions: &mut Vec<Region>,
+        by: &DeclaredStyle<'d>,
+        state: &DrawState<'d>,
+        regions: &mut Vec<ClipRegion>,
     ) -> Result<(), PathFault> {
         if regions.len() >= CLIPS_MAX {
             return Err(self.fault(
@@ -122,7 +122,7 @@ impl<'d> Walk<'d> {
                 Ok(())
             })?;
         }
-        regions.push(Region { shapes });
+        regions.push(ClipRegion { shapes });
         match self.referred(&declared, state, "clip-path", "clipPath")? {
             Some(outer) => self.add_clip(outer, by, state, regions),
             None => Ok(()),
@@ -132,9 +132,9 @@ impl<'d> Walk<'d> {
     fn add_mask(
         &self,
         node: XmlNode<'d, 'd>,
-        by: &Declared<'d>,
-        state: &State<'d>,
-        regions: &mut Vec<Region>,
+        by: &DeclaredStyle<'d>,
+        state: &DrawState<'d>,
+        regions: &mut Vec<ClipRegion>,
     ) -> Result<(), PathFault> {
         let declared = self.sheet.of(node);
         let refused = |at: XmlNode, what: &str| {
@@ -176,14 +176,14 @@ impl<'d> Walk<'d> {
                 Ok(())
             })?;
         }
-        regions.push(Region { shapes });
+        regions.push(ClipRegion { shapes });
         // The rectangle of a mask, if it names one: that which it has otherwise is wider than what it masks.
         let sides = ["x", "y", "width", "height"];
         if sides.iter().any(|name| node.attribute(*name).is_some()) {
             let is_user = node.attribute("maskUnits") == Some("userSpaceOnUse");
-            let mut inner = State {
+            let mut inner = DrawState {
                 style: Rc::new(self.style_of(node, state.view)?),
-                ..State::first(state.map, state.view)
+                ..DrawState::first(state.map, state.view)
             };
             if !is_user {
                 let Some(bounds) = self.bounds(by, state)? else {
@@ -198,16 +198,16 @@ impl<'d> Walk<'d> {
             let side =
                 |name, axis, initial: f64| self.length(&declared, &inner, (name, axis), initial);
             let corner = [
-                side("x", Axis::X, -0.1 * width)?,
-                side("y", Axis::Y, -0.1 * height)?,
+                side("x", PartAxis::X, -0.1 * width)?,
+                side("y", PartAxis::Y, -0.1 * height)?,
             ];
             let sides = [
-                side("width", Axis::X, 1.2 * width)?,
-                side("height", Axis::Y, 1.2 * height)?,
+                side("width", PartAxis::X, 1.2 * width)?,
+                side("height", PartAxis::Y, 1.2 * height)?,
             ];
             let edge = rectangle(corner, sides, [0.0; 2]).mapped(&inner.map);
             let shapes = vec![RegionShape::new(vec![edge], true, true)];
-            regions.push(Region { shapes });
+            regions.push(ClipRegion { shapes });
         }
         if let Some(outer) = self.referred(&declared, state, "mask", "mask")? {
             return Err(self.fault(

@@ -1,20 +1,21 @@
 //! Copies: elements that a `use` draws once more.
 
-use super::css::Declared;
-use super::state::{Mode, State};
+use super::css::DeclaredStyle;
+use super::figure::Sink;
+use super::state::{DrawState, Mode};
 use super::style::Style;
-use super::values::Axis;
-use super::walk::{Sink, Walk, link_of};
+use super::values::PartAxis;
+use super::walk::{FileWalk, link_of};
 use crate::PathFault;
 use kurbo::Affine;
 use std::rc::Rc;
 
-impl<'d> Walk<'d> {
+impl<'d> FileWalk<'d> {
     /// Figures of the element that a `use` names.
     pub(super) fn copy(
         &self,
-        declared: &Declared<'d>,
-        state: &State<'d>,
+        declared: &DeclaredStyle<'d>,
+        state: &DrawState<'d>,
         sink: Sink,
     ) -> Result<(), PathFault> {
         let node = declared.node;
@@ -37,7 +38,7 @@ impl<'d> Walk<'d> {
         if holds_itself || state.copies.contains(&target.id()) {
             return Ok(());
         }
-        let at = [("x", Axis::X), ("y", Axis::Y)];
+        let at = [("x", PartAxis::X), ("y", PartAxis::Y)];
         let [x, y] = [
             self.length(declared, state, at[0], 0.0)?,
             self.length(declared, state, at[1], 0.0)?,
@@ -48,7 +49,7 @@ impl<'d> Walk<'d> {
             Mode::Draw => Some(Rc::new(self.inks(state, None)?)),
             _ => None,
         };
-        let inner = State {
+        let inner = DrawState {
             map: state.map * Affine::translate((x, y)),
             copies: Rc::new(copies),
             style: Rc::new(Style {

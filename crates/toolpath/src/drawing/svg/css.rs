@@ -141,7 +141,7 @@ impl<'t> Sheet<'t> {
     }
 
     /// Declarations of an element.
-    pub(super) fn of<'a>(&'a self, node: XmlNode<'a, 'a>) -> Declared<'a>
+    pub(super) fn of<'a>(&'a self, node: XmlNode<'a, 'a>) -> DeclaredStyle<'a>
     where
         't: 'a,
     {
@@ -155,17 +155,17 @@ impl<'t> Sheet<'t> {
         css.extend(own);
         // Stable: of those that are important, the later goes before.
         css.sort_by_key(|declaration| declaration.important);
-        Declared { node, css }
+        DeclaredStyle { node, css }
     }
 }
 
 /// Declarations and attributes of an element.
-pub(super) struct Declared<'a> {
+pub(super) struct DeclaredStyle<'a> {
     pub(super) node: XmlNode<'a, 'a>,
     css: Vec<Declaration<'a>>,
 }
 
-impl<'a> Declared<'a> {
+impl<'a> DeclaredStyle<'a> {
     /// Value of a property as style alone.
     pub(super) fn style(&self, name: &str) -> Option<&'a str> {
         let found = self.css.iter().rev().find(|each| each.name == name);

@@ -22,7 +22,7 @@ const GAUSS: [(f64, f64); 5] = [
 
 /// Curve from where the last one ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Curve {
+pub(super) enum PathCurve {
     Line([f64; 2]),
     Bezier([[f64; 2]; 3]),
     /// Part of an ellipse: its half axes, and the parameters of its ends, rad.
@@ -51,7 +51,7 @@ fn on_ellipse(centre: [f64; 2], axes: [[f64; 2]; 2], angle: f64) -> [f64; 2] {
     [0, 1].map(|i| centre[i] + cos * axes[0][i] + sin * axes[1][i])
 }
 
-impl Curve {
+impl PathCurve {
     pub(super) fn end(&self) -> [f64; 2] {
         match *self {
             Self::Line(to) | Self::Bezier([_, _, to]) => to,

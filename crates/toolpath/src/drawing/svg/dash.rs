@@ -1,15 +1,19 @@
 //! Dashes of a stroke.
 
-use super::chain::Chain;
-use super::curve::Curve;
+use super::chain::CurveChain;
+use super::curve::PathCurve;
 
 /// Most dashes of a shape.
 pub(super) const DASHES_MAX: f64 = 1e6;
 
 /// Cuts chains into dashes: lengths with and without a line, in turn, from `offset` on. Nothing where they are too many.
-pub(super) fn dashes(chains: &[Chain], lengths: &[f64], offset: f64) -> Option<Vec<Chain>> {
+pub(super) fn dashes(
+    chains: &[CurveChain],
+    lengths: &[f64],
+    offset: f64,
+) -> Option<Vec<CurveChain>> {
     let period: f64 = lengths.iter().sum();
-    let way: f64 = chains.iter().map(Chain::length).sum();
+    let way: f64 = chains.iter().map(CurveChain::length).sum();
     // Of an empty list, or one with numbers beyond counting, no part is a number.
     let count = way / period * lengths.len() as f64;
     if count.is_nan() || count > DASHES_MAX {
@@ -17,7 +21,7 @@ pub(super) fn dashes(chains: &[Chain], lengths: &[f64], offset: f64) -> Option<V
     }
     let mut found = Vec::new();
     for chain in chains {
-        let mut pen = Pen::new(lengths, offset.rem_euclid(period), chain.start);
+        let mut pen = DashPen::new(lengths, offset.rem_euclid(period), chain.start);
         for (from, curve) in chain.curves() {
             let ends = curve.lengths(from);
             let whole = ends.last().copied().unwrap_or(0.0);
@@ -38,16 +42,16 @@ pub(super) fn dashes(chains: &[Chain], lengths: &[f64], offset: f64) -> Option<V
 }
 
 /// Pen along a chain: the dash that it is in.
-struct Pen<'l> {
+struct DashPen<'l> {
     lengths: &'l [f64],
     /// Number of the dash or gap.
     index: usize,
     /// Length that is left of it.
     left: f64,
-    dash: Chain,
+    dash: CurveChain,
 }
 
-impl<'l> Pen<'l> {
+impl<'l> DashPen<'l> {
     fn new(lengths: &'l [f64], mut offset: f64, start: [f64; 2]) -> Self {
         let mut index = 0;
         while offset >= lengths[index % lengths.len()] && index < 2 * lengths.len() {
@@ -58,11 +62,11 @@ impl<'l> Pen<'l> {
             lengths,
             index,
             left: lengths[index % lengths.len()] - offset,
-            dash: Chain::new(start),
+            dash: CurveChain::new(start),
         }
     }
 
-    fn draw(&mut self, from: [f64; 2], curve: &Curve, [t0, t1]: [f64; 2]) {
+    fn draw(&mut self, from: [f64; 2], curve: &PathCurve, [t0, t1]: [f64; 2]) {
         // What rounding leaves at an end is no dash.
         if self.index.is_multiple_of(2) && t1 - t0 > 1e-9 {
             self.dash.curves.push(curve.part(from, [t0, t1]).1);
@@ -70,16 +74,16 @@ impl<'l> Pen<'l> {
     }
 
     /// Ends a dash or a gap.
-    fn turn(&mut self, at: [f64; 2], found: &mut Vec<Chain>) {
+    fn turn(&mut self, at: [f64; 2], found: &mut Vec<CurveChain>) {
         self.lift(found);
-        self.dash = Chain::new(at);
+        self.dash = CurveChain::new(at);
         self.index += 1;
         self.left = self.lengths[self.index % self.lengths.len()];
     }
 
-    fn lift(&mut self, found: &mut Vec<Chain>) {
+    fn lift(&mut self, found: &mut Vec<CurveChain>) {
         if !self.dash.curves.is_empty() {
-            let next = Chain::new(self.dash.end());
+            let next = CurveChain::new(self.dash.end());
             found.push(std::mem::replace(&mut self.dash, next));
         }
     }

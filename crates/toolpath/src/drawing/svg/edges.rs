@@ -1,6 +1,6 @@
 //! Edges of a region: chords of its outlines.
 
-use super::chain::Chain;
+use super::chain::CurveChain;
 use super::curve::distance;
 
 /// Largest distance of a chord from an edge of a region, m.
@@ -23,7 +23,7 @@ pub(super) struct Edges {
 }
 
 impl Edges {
-    pub(super) fn new(chains: &[Chain]) -> Self {
+    pub(super) fn new(chains: &[CurveChain]) -> Self {
         let mut edges = Vec::new();
         for chain in chains {
             let mut points = chain.points(FLATNESS_M);

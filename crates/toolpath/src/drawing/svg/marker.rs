@@ -1,14 +1,15 @@
 //! Markers: drawings at the vertices of a shape.
 
-use super::chain::Chain;
-use super::css::Declared;
-use super::curve::Curve;
+use super::chain::CurveChain;
+use super::css::DeclaredStyle;
+use super::curve::PathCurve;
+use super::figure::Sink;
 use super::path::rectangle;
-use super::region::{Region, RegionShape};
-use super::state::State;
+use super::region::{ClipRegion, RegionShape};
+use super::state::DrawState;
 use super::style::{Ink, Style};
-use super::values::{Axis, angle_of};
-use super::walk::{Sink, Walk};
+use super::values::{PartAxis, angle_of};
+use super::walk::FileWalk;
 use crate::PathFault;
 use kurbo::Affine;
 use std::rc::Rc;
@@ -19,13 +20,13 @@ struct Vertex {
     ways: [Option<[f64; 2]>; 2],
 }
 
-impl<'d> Walk<'d> {
+impl<'d> FileWalk<'d> {
     /// Draws the markers of a shape.
     pub(super) fn markers(
         &self,
-        declared: &Declared<'d>,
-        state: &State<'d>,
-        chains: &[Chain],
+        declared: &DeclaredStyle<'d>,
+        state: &DrawState<'d>,
+        chains: &[CurveChain],
         inks: [Option<Ink>; 2],
         sink: Sink,
     ) -> Result<(), PathFault> {
@@ -63,8 +64,8 @@ impl<'d> Walk<'d> {
 
     fn marker(
         &self,
-        declared: &Declared<'d>,
-        state: &State<'d>,
+        declared: &DeclaredStyle<'d>,
+        state: &DrawState<'d>,
         (vertex, is_start): (&Vertex, bool),
         inks: [Option<Ink>; 2],
         sink: Sink,
@@ -76,7 +77,7 @@ impl<'d> Walk<'d> {
             context: Some(Rc::new(inks)),
             ..self.style_of(node, state.view)?
         };
-        let mut inner = State {
+        let mut inner = DrawState {
             style: Rc::new(style),
             copies: Rc::new(copies),
             depth: state.depth + 1,
@@ -84,17 +85,17 @@ impl<'d> Walk<'d> {
         };
         let length = |name, axis, initial| self.length(declared, &inner, (name, axis), initial);
         let sides = [
-            length("markerWidth", Axis::X, 3.0)?,
-            length("markerHeight", Axis::Y, 3.0)?,
+            length("markerWidth", PartAxis::X, 3.0)?,
+            length("markerHeight", PartAxis::Y, 3.0)?,
         ];
         if sides.iter().any(|side| *side <= 0.0) {
             return Ok(());
         }
         let at_edge = |name: &str, axis| {
             let text = match (node.attribute(name).unwrap_or("0"), axis) {
-                ("left", Axis::X) | ("top", Axis::Y) => "0",
+                ("left", PartAxis::X) | ("top", PartAxis::Y) => "0",
                 ("center", _) => "50%",
-                ("right", Axis::X) | ("bottom", Axis::Y) => "100%",
+                ("right", PartAxis::X) | ("bottom", PartAxis::Y) => "100%",
                 (other, _) => other,
             };
             let frame = inner.style.frame(sides);
@@ -102,7 +103,7 @@ impl<'d> Walk<'d> {
                 .length(text, axis)
                 .ok_or_else(|| self.unknown(node, name, text))
         };
-        let [x, y] = [at_edge("refX", Axis::X)?, at_edge("refY", Axis::Y)?];
+        let [x, y] = [at_edge("refX", PartAxis::X)?, at_edge("refY", PartAxis::Y)?];
         let turn = match node.attribute("orient").map(str::trim) {
             Some("auto") => vertex.angle(),
             Some("auto-start-reverse") if is_start => vertex.angle() + std::f64::consts::PI,
@@ -129,7 +130,7 @@ impl<'d> Walk<'d> {
         if !matches!(overflow.as_deref(), Some("visible" | "auto")) {
             let edge = rectangle([0.0; 2], sides, [0.0; 2]).mapped(&place);
             let shapes = vec![RegionShape::new(vec![edge], true, true)];
-            inner = inner.clipped(vec![Region { shapes }]);
+            inner = inner.clipped(vec![ClipRegion { shapes }]);
         }
         self.children(node, &inner, sink)
     }
@@ -152,7 +153,7 @@ impl Vertex {
 }
 
 /// Vertices of all outlines, in their order.
-fn vertices(chains: &[Chain]) -> Vec<Vertex> {
+fn vertices(chains: &[CurveChain]) -> Vec<Vertex> {
     let mut found = Vec::new();
     for chain in chains {
         let first = found.len();
@@ -181,15 +182,15 @@ fn vertices(chains: &[Chain]) -> Vec<Vertex> {
 }
 
 /// Directions at the start and the end of a curve.
-fn ways(from: [f64; 2], curve: &Curve) -> [Option<[f64; 2]>; 2] {
+fn ways(from: [f64; 2], curve: &PathCurve) -> [Option<[f64; 2]>; 2] {
     let way = |a: [f64; 2], b: [f64; 2]| (a != b).then(|| [b[0] - a[0], b[1] - a[1]]);
     match *curve {
-        Curve::Line(to) => [way(from, to); 2],
-        Curve::Bezier([b, c, d]) => [
+        PathCurve::Line(to) => [way(from, to); 2],
+        PathCurve::Bezier([b, c, d]) => [
             way(from, b).or(way(from, c)).or(way(from, d)),
             way(c, d).or(way(b, d)).or(way(from, d)),
         ],
-        Curve::Arc { axes, ends, .. } => ends.map(|angle| {
+        PathCurve::Arc { axes, ends, .. } => ends.map(|angle| {
             let (sin, cos) = libm::sincos(angle);
             let sense = (ends[1] - ends[0]).signum();
             Some([0, 1].map(|i| sense * (cos * axes[1][i] - sin * axes[0][i])))

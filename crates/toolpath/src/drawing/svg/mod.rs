@@ -9,7 +9,9 @@ mod copies;
 mod css;
 mod curve;
 mod dash;
+mod drawn;
 mod edges;
+mod enter;
 mod figure;
 mod marker;
 mod paint;
@@ -31,7 +33,7 @@ use css::{Sheet, SheetText};
 use kurbo::Affine;
 use roxmltree::{Document, ParsingOptions};
 use std::collections::HashMap;
-use walk::Walk;
+use walk::FileWalk;
 
 type XmlNode<'a, 'd> = roxmltree::Node<'a, 'd>;
 
@@ -70,13 +72,13 @@ pub fn read_svg(file: impl AsRef<[u8]>) -> Result<Drawing, PathFault> {
     })?;
     let texts = sheets(&document);
     let sheet = Sheet::read(&texts)?;
-    let walk = Walk::new(&document, &sheet)?;
+    let walk = FileWalk::new(&document, &sheet)?;
     let (page, map) = walk.page()?;
     let mut drawing = Drawing::default();
     let page_m = page.map(|side| PIXEL_M * side);
     let upward = Affine::new([PIXEL_M, 0.0, 0.0, -PIXEL_M, 0.0, PIXEL_M * page[1]]);
     walk.draw(upward * map, &mut |figure| {
-        figure::add(&walk, &figure, page_m, &mut drawing)
+        drawn::add(&walk, &figure, page_m, &mut drawing)
     })?;
     match drawing.strokes.is_empty() {
         true => Err(PathFault {

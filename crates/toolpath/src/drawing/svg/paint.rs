@@ -3,6 +3,8 @@
 use super::css::top_level;
 use crate::drawing::Rgb;
 use color::{Srgb, parse_color};
+use std::cell::RefCell;
+use std::collections::HashMap;
 
 /// Opacity below which nothing is seen: half of the smallest step of a screen.
 pub(super) const SEEN: f64 = 0.5 / 255.0;
@@ -88,3 +90,16 @@ impl Colour {
         })
     }
 }
+
+/// Gradient or pattern.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Server {
+    /// Greatest opacity.
+    pub(super) alpha: f64,
+    /// Its lengths are parts of the box of the shape.
+    pub(super) of_box: bool,
+}
+
+/// Gradients and patterns that are known already.
+#[derive(Default)]
+pub(super) struct Servers(pub(super) RefCell<HashMap<String, Option<Server>>>);

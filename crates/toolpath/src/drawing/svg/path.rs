@@ -1,7 +1,7 @@
 //! Path data, lists of points, and basic shapes: to chains of curves in user units.
 
-use super::chain::Chain;
-use super::curve::Curve;
+use super::chain::CurveChain;
+use super::curve::PathCurve;
 use kurbo::{Arc, Point, SvgArc, Vec2};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use svgtypes::{PathParser, PathSegment, PointsParser};
@@ -10,7 +10,7 @@ use svgtypes::{PathParser, PathSegment, PointsParser};
 ///
 /// # Errors
 /// The place of the first mistake, in letters from 1.
-pub(super) fn path_data(text: &str) -> Result<Vec<Chain>, usize> {
+pub(super) fn path_data(text: &str) -> Result<Vec<CurveChain>, usize> {
     let mut walk = PathWalk::default();
     for segment in PathParser::from(text) {
         // The place is told by the error, if at all.
@@ -33,7 +33,7 @@ fn place_of(error: &svgtypes::Error, text: &str) -> usize {
 
 #[derive(Default)]
 struct PathWalk {
-    chains: Vec<Chain>,
+    chains: Vec<CurveChain>,
     at: [f64; 2],
     /// Start of the current chain, to which it closes.
     start: [f64; 2],
@@ -68,9 +68,9 @@ impl PathWalk {
                 self.at = self.start;
                 return Some(());
             }
-            PathSegment::LineTo { x, y, .. } => Curve::Line([ox + x, oy + y]),
-            PathSegment::HorizontalLineTo { x, .. } => Curve::Line([ox + x, at[1]]),
-            PathSegment::VerticalLineTo { y, .. } => Curve::Line([at[0], oy + y]),
+            PathSegment::LineTo { x, y, .. } => PathCurve::Line([ox + x, oy + y]),
+            PathSegment::HorizontalLineTo { x, .. } => PathCurve::Line([ox + x, at[1]]),
+            PathSegment::VerticalLineTo { y, .. } => PathCurve::Line([at[0], oy + y]),
             PathSegment::CurveTo {
                 x1,
                 y1,
@@ -82,12 +82,12 @@ impl PathWalk {
             } => {
                 let second = [ox + x2, oy + y2];
                 self.controls[0] = Some(second);
-                Curve::Bezier([[ox + x1, oy + y1], second, [ox + x, oy + y]])
+                PathCurve::Bezier([[ox + x1, oy + y1], second, [ox + x, oy + y]])
             }
             PathSegment::SmoothCurveTo { x2, y2, x, y, .. } => {
                 let second = [ox + x2, oy + y2];
                 self.controls[0] = Some(second);
-                Curve::Bezier([mirrored(before[0]), second, [ox + x, oy + y]])
+                PathCurve::Bezier([mirrored(before[0]), second, [ox + x, oy + y]])
             }
             PathSegment::Quadratic { x1, y1, x, y, .. } => {
                 self.controls[1] = Some([ox + x1, oy + y1]);
@@ -118,7 +118,7 @@ impl PathWalk {
                 };
                 match Arc::from_svg_arc(&arc) {
                     Some(arc) => elliptical(&arc),
-                    None => Curve::Line([ox + x, oy + y]),
+                    None => PathCurve::Line([ox + x, oy + y]),
                 }
             }
         };
@@ -131,9 +131,11 @@ impl PathWalk {
         self.at = end;
         let hull = self.chains.last()?.curves.last()?;
         let finite = match hull {
-            Curve::Line(to) => to.iter().all(|value| value.is_finite()),
-            Curve::Bezier(points) => points.as_flattened().iter().all(|value| value.is_finite()),
-            Curve::Arc { centre, axes, ends } => {
+            PathCurve::Line(to) => to.iter().all(|value| value.is_finite()),
+            PathCurve::Bezier(points) => {
+                points.as_flattened().iter().all(|value| value.is_finite())
+            }
+            PathCurve::Arc { centre, axes, ends } => {
                 let parts = [*centre, axes[0], axes[1], *ends];
                 parts.as_flattened().iter().all(|value| value.is_finite())
             }
@@ -142,9 +144,9 @@ impl PathWalk {
     }
 
     /// Chain that is drawn: another one after a move or a close.
-    fn open(&mut self) -> &mut Chain {
+    fn open(&mut self) -> &mut CurveChain {
         if !self.is_open {
-            self.chains.push(Chain::new(self.at));
+            self.chains.push(CurveChain::new(self.at));
             self.is_open = true;
         }
         let last = self.chains.len() - 1;
@@ -156,15 +158,15 @@ fn is_absolute(segment: &PathSegment) -> bool {
     segment.is_abs()
 }
 
-fn quadratic(from: [f64; 2], control: [f64; 2], to: [f64; 2]) -> Curve {
+fn quadratic(from: [f64; 2], control: [f64; 2], to: [f64; 2]) -> PathCurve {
     let third = |end: [f64; 2]| [0, 1].map(|i| (end[i] + 2.0 * control[i]) / 3.0);
-    Curve::Bezier([third(from), third(to), to])
+    PathCurve::Bezier([third(from), third(to), to])
 }
 
-fn elliptical(arc: &Arc) -> Curve {
+fn elliptical(arc: &Arc) -> PathCurve {
     let (sin, cos) = libm::sincos(arc.x_rotation);
     let Vec2 { x: rx, y: ry } = arc.radii;
-    Curve::Arc {
+    PathCurve::Arc {
         centre: [arc.center.x, arc.center.y],
         axes: [[rx * cos, rx * sin], [-ry * sin, ry * cos]],
         ends: [arc.start_angle, arc.start_angle + arc.sweep_angle],
@@ -172,7 +174,7 @@ fn elliptical(arc: &Arc) -> Curve {
 }
 
 /// Reads points. None: they are an odd number of coordinates, or no numbers.
-pub(super) fn points(text: &str, closed: bool) -> Option<Vec<Chain>> {
+pub(super) fn points(text: &str, closed: bool) -> Option<Vec<CurveChain>> {
     let mut numbers = svgtypes::NumberListParser::from(text);
     let count = numbers.try_fold(0_usize, |count, number| number.is_ok().then_some(count + 1))?;
     if count % 2 == 1 {
@@ -182,8 +184,8 @@ pub(super) fn points(text: &str, closed: bool) -> Option<Vec<Chain>> {
     let Some(start) = points.next() else {
         return Some(Vec::new());
     };
-    let mut chain = Chain::new(start);
-    chain.curves.extend(points.map(Curve::Line));
+    let mut chain = CurveChain::new(start);
+    chain.curves.extend(points.map(PathCurve::Line));
     // Two points of a polygon are a line to and fro.
     if closed && !chain.curves.is_empty() {
         chain.close();
@@ -192,11 +194,11 @@ pub(super) fn points(text: &str, closed: bool) -> Option<Vec<Chain>> {
 }
 
 /// Circle or ellipse, from its right end on.
-pub(super) fn ellipse(centre: [f64; 2], [rx, ry]: [f64; 2]) -> Chain {
+pub(super) fn ellipse(centre: [f64; 2], [rx, ry]: [f64; 2]) -> CurveChain {
     let [x, y] = centre;
-    Chain {
+    CurveChain {
         start: [x + rx, y],
-        curves: vec![Curve::Arc {
+        curves: vec![PathCurve::Arc {
             centre,
             axes: [[rx, 0.0], [0.0, ry]],
             ends: [0.0, TAU],
@@ -206,17 +208,21 @@ pub(super) fn ellipse(centre: [f64; 2], [rx, ry]: [f64; 2]) -> Chain {
 }
 
 /// Rectangle with corners of the radii `rx` and `ry`.
-pub(super) fn rectangle([x, y]: [f64; 2], [width, height]: [f64; 2], [rx, ry]: [f64; 2]) -> Chain {
+pub(super) fn rectangle(
+    [x, y]: [f64; 2],
+    [width, height]: [f64; 2],
+    [rx, ry]: [f64; 2],
+) -> CurveChain {
     let (rx, ry) = (rx.min(0.5 * width), ry.min(0.5 * height));
     if rx <= 0.0 || ry <= 0.0 {
-        let mut chain = Chain::new([x, y]);
+        let mut chain = CurveChain::new([x, y]);
         for corner in [[x + width, y], [x + width, y + height], [x, y + height]] {
             chain.line(corner);
         }
         chain.close();
         return chain;
     }
-    let mut chain = Chain::new([x + rx, y]);
+    let mut chain = CurveChain::new([x + rx, y]);
     let sides = [
         ([x + width - rx, y], [x + width - rx, y + ry], -FRAC_PI_2),
         (
@@ -231,7 +237,7 @@ pub(super) fn rectangle([x, y]: [f64; 2], [width, height]: [f64; 2], [rx, ry]: [
         if super::curve::distance(chain.end(), to) > 1e-12 * (width + height) {
             chain.line(to);
         }
-        chain.curves.push(Curve::Arc {
+        chain.curves.push(PathCurve::Arc {
             centre,
             axes: [[rx, 0.0], [0.0, ry]],
             ends: [start, start + FRAC_PI_2],

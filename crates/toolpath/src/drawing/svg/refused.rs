@@ -1,24 +1,24 @@
 //! Elements without an outline: seen by nobody, or refused.
 
 use super::XmlNode;
-use super::css::Declared;
-use super::state::{Mode, State};
-use super::values::Axis;
-use super::walk::{DEPTH_MAX, UNDRAWN, Walk, link_of};
+use super::css::DeclaredStyle;
+use super::state::{DrawState, Mode};
+use super::values::PartAxis;
+use super::walk::{DEPTH_MAX, FileWalk, UNDRAWN, link_of};
 use crate::PathFault;
 use std::rc::Rc;
 
-impl<'d> Walk<'d> {
+impl<'d> FileWalk<'d> {
     /// Refuses an element that is seen, and has no outline.
     pub(super) fn refuse(
         &self,
-        declared: &Declared<'d>,
-        state: &State<'d>,
+        declared: &DeclaredStyle<'d>,
+        state: &DrawState<'d>,
     ) -> Result<(), PathFault> {
         let node = declared.node;
         let size = |name, axis| self.length(declared, state, (name, axis), 1.0);
         let has_size = || -> Result<bool, PathFault> {
-            Ok(size("width", Axis::X)? > 0.0 && size("height", Axis::Y)? > 0.0)
+            Ok(size("width", PartAxis::X)? > 0.0 && size("height", PartAxis::Y)? > 0.0)
         };
         let is_visible = state.style.is_visible;
         let (is_seen, reason) = match node.tag_name().name() {
@@ -52,7 +52,7 @@ impl<'d> Walk<'d> {
     }
 
     /// Returns true if text is seen: it has letters, and a fill or a stroke.
-    fn has_letters(&self, node: XmlNode<'d, 'd>, state: &State<'d>) -> Result<bool, PathFault> {
+    fn has_letters(&self, node: XmlNode<'d, 'd>, state: &DrawState<'d>) -> Result<bool, PathFault> {
         for child in node.children() {
             if child.is_text() {
                 let is_blank = child.text().is_none_or(|text| text.trim().is_empty());
@@ -71,7 +71,7 @@ impl<'d> Walk<'d> {
                 continue;
             }
             let style = self.within(&state.style, &declared, state.view)?;
-            let inner = State {
+            let inner = DrawState {
                 alpha: state.alpha * self.opacity(&declared, &style)?,
                 style: Rc::new(style),
                 depth: state.depth + 1,

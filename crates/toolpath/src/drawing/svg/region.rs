@@ -1,19 +1,19 @@
 //! Regions that clips and masks leave, and what of chains lies in them.
 
-use super::chain::Chain;
-use super::curve::{Curve, distance};
+use super::chain::CurveChain;
+use super::curve::{PathCurve, distance};
 use super::edges::{Edges, FLATNESS_M, NEAR_M};
 
 /// Region in the plane, m: the last of its shapes that holds a point says whether it is in it.
 #[derive(Debug, Default)]
-pub(super) struct Region {
+pub(super) struct ClipRegion {
     pub(super) shapes: Vec<RegionShape>,
 }
 
 /// Shape of a region.
 #[derive(Debug)]
 pub(super) struct RegionShape {
-    pub(super) chains: Vec<Chain>,
+    pub(super) chains: Vec<CurveChain>,
     pub(super) is_non_zero: bool,
     /// True: it adds to the region. False: it takes away.
     pub(super) adds: bool,
@@ -21,7 +21,7 @@ pub(super) struct RegionShape {
 }
 
 impl RegionShape {
-    pub(super) fn new(chains: Vec<Chain>, is_non_zero: bool, adds: bool) -> Self {
+    pub(super) fn new(chains: Vec<CurveChain>, is_non_zero: bool, adds: bool) -> Self {
         let edges = Edges::new(&chains);
         Self {
             chains,
@@ -44,11 +44,11 @@ impl RegionShape {
         let [chain] = &self.chains[..] else {
             return None;
         };
-        let corners: Vec<[f64; 2]> = chain.curves.iter().map(Curve::end).collect();
+        let corners: Vec<[f64; 2]> = chain.curves.iter().map(PathCurve::end).collect();
         let straight = chain
             .curves
             .iter()
-            .all(|curve| matches!(curve, Curve::Line(_)));
+            .all(|curve| matches!(curve, PathCurve::Line(_)));
         let (low, high) = (self.edges.low, self.edges.high);
         let in_corner = |point: &[f64; 2]| {
             [0, 1]
@@ -60,7 +60,7 @@ impl RegionShape {
     }
 }
 
-impl Region {
+impl ClipRegion {
     fn holds(&self, point: [f64; 2]) -> bool {
         let mut shapes = self.shapes.iter().rev();
         shapes
@@ -73,12 +73,12 @@ impl Region {
     }
 
     /// Returns true if the chains are in the region by their hulls alone.
-    fn holds_hull(&self, chains: &[Chain]) -> bool {
+    fn holds_hull(&self, chains: &[CurveChain]) -> bool {
         let [shape] = &self.shapes[..] else {
             return false;
         };
         shape.rectangle().is_some_and(|[low, high]| {
-            chains.iter().flat_map(Chain::hull).all(|point| {
+            chains.iter().flat_map(CurveChain::hull).all(|point| {
                 [0, 1]
                     .iter()
                     .all(|&i| point[i] >= low[i] - NEAR_M && point[i] <= high[i] + NEAR_M)
@@ -88,7 +88,7 @@ impl Region {
 }
 
 /// Returns the parts of lines that are in all regions, or on their edges.
-pub(super) fn cut_lines(chains: &[Chain], regions: &[&Region]) -> Vec<Chain> {
+pub(super) fn cut_lines(chains: &[CurveChain], regions: &[&ClipRegion]) -> Vec<CurveChain> {
     let mut left = chains.to_vec();
     for region in regions {
         if region.holds_hull(&left) {
@@ -106,10 +106,10 @@ pub(super) fn cut_lines(chains: &[Chain], regions: &[&Region]) -> Vec<Chain> {
 
 /// Outlines of an area in all regions: None where the regions hold it whole.
 pub(super) fn cut_area(
-    chains: &[Chain],
+    chains: &[CurveChain],
     is_non_zero: bool,
-    regions: &[&Region],
-) -> Option<Vec<Chain>> {
+    regions: &[&ClipRegion],
+) -> Option<Vec<CurveChain>> {
     let mut cutting = regions.to_vec();
     cutting.retain(|region| !region.holds_hull(chains));
     if cutting.is_empty() {
@@ -149,12 +149,12 @@ pub(super) fn cut_area(
 
 /// Parts of a chain that are kept: by a point on them, and the direction across.
 fn split(
-    chain: &Chain,
+    chain: &CurveChain,
     edges: &[&Edges],
     is_kept: &dyn Fn([f64; 2], [f64; 2]) -> bool,
-) -> Vec<Chain> {
-    let mut parts: Vec<Chain> = Vec::new();
-    let mut open: Option<Chain> = None;
+) -> Vec<CurveChain> {
+    let mut parts: Vec<CurveChain> = Vec::new();
+    let mut open: Option<CurveChain> = None;
     let (mut begins_in, mut is_whole) = (false, true);
     for (index, (from, curve)) in chain.curves().enumerate() {
         let mut places = vec![0.0, 1.0];
@@ -223,12 +223,12 @@ fn split(
     parts
 }
 
-fn add(open: &mut Option<Chain>, from: [f64; 2], curve: &Curve, ends: [f64; 2]) {
+fn add(open: &mut Option<CurveChain>, from: [f64; 2], curve: &PathCurve, ends: [f64; 2]) {
     let (start, part) = match ends == [0.0, 1.0] {
         true => (from, *curve),
         false => curve.part(from, ends),
     };
-    open.get_or_insert_with(|| Chain::new(start))
+    open.get_or_insert_with(|| CurveChain::new(start))
         .curves
         .push(part);
 }

@@ -1,30 +1,15 @@
 //! Gradients and patterns: whether they show anything.
 
 use super::XmlNode;
-use super::paint::{BLACK, Paint};
+use super::paint::{BLACK, Paint, Server};
 use super::values::part;
-use super::walk::{Walk, link_of};
+use super::walk::{FileWalk, link_of};
 use crate::PathFault;
-use std::cell::RefCell;
-use std::collections::HashMap;
 
 /// Most gradients that are named one by another.
 const LINKS_MAX: usize = 32;
 
-/// Gradient or pattern.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Server {
-    /// Greatest opacity.
-    pub(super) alpha: f64,
-    /// Its lengths are parts of the box of the shape.
-    pub(super) of_box: bool,
-}
-
-/// Gradients and patterns that are known already.
-#[derive(Default)]
-pub(super) struct Servers(RefCell<HashMap<String, Option<Server>>>);
-
-impl<'d> Walk<'d> {
+impl<'d> FileWalk<'d> {
     /// Gradient or pattern of a name. None: the file has none.
     pub(super) fn server(&self, id: &str, view: [f64; 2]) -> Result<Option<Server>, PathFault> {
         if let Some(known) = self.servers.0.borrow().get(id) {

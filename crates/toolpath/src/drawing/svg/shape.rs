@@ -1,15 +1,15 @@
 //! Shapes: their outlines, and the paints that are seen.
 
-use super::chain::Chain;
-use super::css::Declared;
-use super::figure::Figure;
-use super::paint::{Paint, SEEN};
+use super::chain::CurveChain;
+use super::css::DeclaredStyle;
+use super::figure::SeenFigure;
+use super::figure::Sink;
+use super::paint::{Paint, SEEN, Server};
 use super::path::{ellipse, path_data, points, rectangle};
-use super::server::Server;
-use super::state::{Mode, State};
+use super::state::{DrawState, Mode};
 use super::style::Ink;
-use super::values::{Axis, number};
-use super::walk::{Sink, Walk};
+use super::values::{PartAxis, number};
+use super::walk::FileWalk;
 use crate::PathFault;
 use kurbo::Rect;
 use std::rc::Rc;
@@ -17,13 +17,13 @@ use std::rc::Rc;
 /// Coordinates that are attributes alone.
 const ATTRIBUTES: [&str; 4] = ["x1", "y1", "x2", "y2"];
 
-impl<'d> Walk<'d> {
+impl<'d> FileWalk<'d> {
     /// Length of an element, in user units.
     pub(super) fn length(
         &self,
-        declared: &Declared<'d>,
-        state: &State<'d>,
-        (name, axis): (&str, Axis),
+        declared: &DeclaredStyle<'d>,
+        state: &DrawState<'d>,
+        (name, axis): (&str, PartAxis),
         initial: f64,
     ) -> Result<f64, PathFault> {
         let is_style = declared.style(name).is_some() && !ATTRIBUTES.contains(&name);
@@ -45,12 +45,12 @@ impl<'d> Walk<'d> {
     /// Outlines of a shape, in user units.
     fn outlines(
         &self,
-        declared: &Declared<'d>,
-        state: &State<'d>,
-    ) -> Result<Vec<Chain>, PathFault> {
+        declared: &DeclaredStyle<'d>,
+        state: &DrawState<'d>,
+    ) -> Result<Vec<CurveChain>, PathFault> {
         let node = declared.node;
         let length = |name, axis| self.length(declared, state, (name, axis), 0.0);
-        let pair = |x, y| Ok::<_, PathFault>([length(x, Axis::X)?, length(y, Axis::Y)?]);
+        let pair = |x, y| Ok::<_, PathFault>([length(x, PartAxis::X)?, length(y, PartAxis::Y)?]);
         let is_positive = |sides: [f64; 2]| sides[0] > 0.0 && sides[1] > 0.0;
         // Radii that are not given are that of the other axis.
         let radii = || {
@@ -73,7 +73,7 @@ impl<'d> Walk<'d> {
                 }
             }
             "circle" => {
-                let (centre, radius) = (pair("cx", "cy")?, length("r", Axis::Both)?);
+                let (centre, radius) = (pair("cx", "cy")?, length("r", PartAxis::Both)?);
                 match radius > 0.0 {
                     true => vec![ellipse(centre, [radius; 2])],
                     false => Vec::new(),
@@ -87,10 +87,10 @@ impl<'d> Walk<'d> {
                 }
             }
             "line" => {
-                let mut chain = Chain::new(pair("x1", "y1")?);
+                let mut chain = CurveChain::new(pair("x1", "y1")?);
                 chain
                     .curves
-                    .push(super::curve::Curve::Line(pair("x2", "y2")?));
+                    .push(super::curve::PathCurve::Line(pair("x2", "y2")?));
                 vec![chain]
             }
             name => {
@@ -103,7 +103,11 @@ impl<'d> Walk<'d> {
         })
     }
 
-    fn path(&self, declared: &Declared<'d>, state: &State<'d>) -> Result<Vec<Chain>, PathFault> {
+    fn path(
+        &self,
+        declared: &DeclaredStyle<'d>,
+        state: &DrawState<'d>,
+    ) -> Result<Vec<CurveChain>, PathFault> {
         let node = declared.node;
         let style = declared
             .style("d")
@@ -135,7 +139,7 @@ impl<'d> Walk<'d> {
     /// Fill and stroke of an element in its state, as far as they are seen, on a shape with this box.
     pub(super) fn inks(
         &self,
-        state: &State<'d>,
+        state: &DrawState<'d>,
         bounds: Option<Rect>,
     ) -> Result<[Option<Ink>; 2], PathFault> {
         let style = &state.style;
@@ -153,7 +157,7 @@ impl<'d> Walk<'d> {
 
     fn ink(
         &self,
-        state: &State<'d>,
+        state: &DrawState<'d>,
         paint: &Paint,
         opacity: f64,
         bounds: Option<Rect>,
@@ -192,8 +196,8 @@ impl<'d> Walk<'d> {
     /// Figure of a basic shape or a path.
     pub(super) fn shape(
         &self,
-        declared: &Declared<'d>,
-        state: &State<'d>,
+        declared: &DeclaredStyle<'d>,
+        state: &DrawState<'d>,
         sink: Sink,
     ) -> Result<(), PathFault> {
         let style = &state.style;
@@ -217,7 +221,7 @@ impl<'d> Walk<'d> {
             Mode::Draw => self.inks(state, bounds)?,
             Mode::Bounds | Mode::Clip => [None; 2],
         };
-        sink(Figure {
+        sink(SeenFigure {
             node: declared.node,
             chains: chains.clone(),
             map: state.map,

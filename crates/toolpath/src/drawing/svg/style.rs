@@ -1,8 +1,8 @@
 //! Styles that elements hand down to those within.
 
-use super::css::{Declared, with_variables};
+use super::css::{DeclaredStyle, with_variables};
 use super::paint::{BLACK, Colour, Paint};
-use super::values::{Axis, FONT_PX, Frame, part};
+use super::values::{FONT_PX, PartAxis, UnitFrame, part};
 use std::borrow::Cow;
 use std::collections::HashMap;
 use std::rc::Rc;
@@ -93,7 +93,7 @@ impl Style {
     ///
     /// # Errors
     /// The first property with a value that is not known.
-    pub(super) fn within(&self, declared: &Declared, view: [f64; 2]) -> Result<Self, Unknown> {
+    pub(super) fn within(&self, declared: &DeclaredStyle, view: [f64; 2]) -> Result<Self, Unknown> {
         let mut style = self.clone();
         let mut own = declared.variables().peekable();
         if own.peek().is_some() {
@@ -129,8 +129,8 @@ impl Style {
     }
 
     /// Lengths that units count by.
-    pub(super) fn frame(&self, view: [f64; 2]) -> Frame {
-        Frame {
+    pub(super) fn frame(&self, view: [f64; 2]) -> UnitFrame {
+        UnitFrame {
             view,
             font_px: self.font_px,
         }
@@ -169,9 +169,9 @@ impl Style {
                     _ => return None,
                 }
             }
-            "stroke-width" => self.stroke_width = frame.length(value, Axis::Both)?,
+            "stroke-width" => self.stroke_width = frame.length(value, PartAxis::Both)?,
             "stroke-dasharray" => self.dashes = dash_lengths(value, &frame)?,
-            "stroke-dashoffset" => self.dash_offset = frame.length(value, Axis::Both)?,
+            "stroke-dashoffset" => self.dash_offset = frame.length(value, PartAxis::Both)?,
             "stroke-linecap" => self.has_caps = value != "butt",
             "marker" => {
                 let marker = marker(value)?;
@@ -228,22 +228,22 @@ fn font_size(value: &str, above: f64) -> Option<f64> {
         "smaller" => return Some(above / 1.2),
         "larger" => return Some(above * 1.2),
         _ => {
-            let frame = Frame {
+            let frame = UnitFrame {
                 view: [above; 2],
                 font_px: above,
             };
-            return frame.length(value, Axis::X).filter(|size| *size >= 0.0);
+            return frame.length(value, PartAxis::X).filter(|size| *size >= 0.0);
         }
     };
     Some(step * FONT_PX)
 }
 
 /// Lengths of dashes. An odd list counts twice; one without a length is none.
-fn dash_lengths(value: &str, frame: &Frame) -> Option<Rc<[f64]>> {
+fn dash_lengths(value: &str, frame: &UnitFrame) -> Option<Rc<[f64]>> {
     if value == "none" {
         return Some(Rc::new([]));
     }
-    let mut lengths = frame.lengths(value, Axis::Both)?;
+    let mut lengths = frame.lengths(value, PartAxis::Both)?;
     if lengths.iter().any(|length| *length < 0.0) {
         return None;
     }

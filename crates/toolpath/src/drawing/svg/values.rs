@@ -7,7 +7,7 @@ pub(super) const FONT_PX: f64 = 16.0;
 
 /// Axis along which a percentage counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Axis {
+pub(super) enum PartAxis {
     X,
     Y,
     /// Neither: of the diagonal, by the square root of 2.
@@ -16,28 +16,28 @@ pub(super) enum Axis {
 
 /// Lengths that units count by: sides of the viewport, and size of the font.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Frame {
+pub(super) struct UnitFrame {
     pub(super) view: [f64; 2],
     pub(super) font_px: f64,
 }
 
-impl Frame {
-    fn whole(&self, axis: Axis) -> f64 {
+impl UnitFrame {
+    fn whole(&self, axis: PartAxis) -> f64 {
         let [x, y] = self.view;
         match axis {
-            Axis::X => x,
-            Axis::Y => y,
-            Axis::Both => libm::hypot(x, y) / std::f64::consts::SQRT_2,
+            PartAxis::X => x,
+            PartAxis::Y => y,
+            PartAxis::Both => libm::hypot(x, y) / std::f64::consts::SQRT_2,
         }
     }
 
     /// Length in user units. None: no length, or one in another unit.
-    pub(super) fn length(&self, text: &str, axis: Axis) -> Option<f64> {
+    pub(super) fn length(&self, text: &str, axis: PartAxis) -> Option<f64> {
         let (number, unit) = number(text.trim())?;
         Some(number * self.unit(unit, axis)?)
     }
 
-    fn unit(&self, unit: &str, axis: Axis) -> Option<f64> {
+    fn unit(&self, unit: &str, axis: PartAxis) -> Option<f64> {
         Some(match unit.to_ascii_lowercase().as_str() {
             "" | "px" => 1.0,
             "in" => 96.0,
@@ -54,7 +54,7 @@ impl Frame {
     }
 
     /// Lengths of a list.
-    pub(super) fn lengths(&self, text: &str, axis: Axis) -> Option<Vec<f64>> {
+    pub(super) fn lengths(&self, text: &str, axis: PartAxis) -> Option<Vec<f64>> {
         let words = text.split([' ', ',', '\t', '\n', '\r']);
         let words = words.filter(|word| !word.is_empty());
         words.map(|word| self.length(word, axis)).collect()
@@ -109,9 +109,13 @@ impl Frame {
                 let values: Option<Vec<f64>> = (0..6).map(plain).collect();
                 Affine::new(values?.try_into().ok()?)
             }
-            ("translate", 1) | ("translateX", 1) => Affine::translate((length(0, Axis::X)?, 0.0)),
-            ("translate", 2) => Affine::translate((length(0, Axis::X)?, length(1, Axis::Y)?)),
-            ("translateY", 1) => Affine::translate((0.0, length(0, Axis::Y)?)),
+            ("translate", 1) | ("translateX", 1) => {
+                Affine::translate((length(0, PartAxis::X)?, 0.0))
+            }
+            ("translate", 2) => {
+                Affine::translate((length(0, PartAxis::X)?, length(1, PartAxis::Y)?))
+            }
+            ("translateY", 1) => Affine::translate((0.0, length(0, PartAxis::Y)?)),
             ("rotate" | "rotateZ", 1) => turn(angle(0)?),
             ("rotate", 3) if !is_style => {
                 let centre = Vec2::new(plain(1)?, plain(2)?);
@@ -131,15 +135,15 @@ impl Frame {
     /// Point of a `transform-origin` in a box: its corner, and its sides.
     pub(super) fn origin(&self, text: &str, corner: [f64; 2], sides: [f64; 2]) -> Option<[f64; 2]> {
         let words: Vec<&str> = text.split_whitespace().collect();
-        let in_box = Frame {
+        let in_box = UnitFrame {
             view: sides,
             ..*self
         };
-        let place = |word: &str, axis: Axis| {
+        let place = |word: &str, axis: PartAxis| {
             let part = match (word, axis) {
                 ("center", _) => "50%",
-                ("left", Axis::X) | ("top", Axis::Y) => "0%",
-                ("right", Axis::X) | ("bottom", Axis::Y) => "100%",
+                ("left", PartAxis::X) | ("top", PartAxis::Y) => "0%",
+                ("right", PartAxis::X) | ("bottom", PartAxis::Y) => "100%",
                 _ => word,
             };
             in_box.length(part, axis)
@@ -154,8 +158,8 @@ impl Frame {
             [] => return None,
         };
         Some([
-            corner[0] + place(x, Axis::X)?,
-            corner[1] + place(y, Axis::Y)?,
+            corner[0] + place(x, PartAxis::X)?,
+            corner[1] + place(y, PartAxis::Y)?,
         ])
     }
 }

@@ -1,13 +1,14 @@
 //! Viewports: the page, `svg` within it, and symbols.
 
 use super::XmlNode;
-use super::css::Declared;
+use super::css::DeclaredStyle;
 use super::curve::map_point;
+use super::figure::Sink;
 use super::path::rectangle;
-use super::region::{Region, RegionShape};
-use super::state::{Mode, State};
-use super::values::{Axis, FONT_PX, Frame, number};
-use super::walk::{Sink, Walk};
+use super::region::{ClipRegion, RegionShape};
+use super::state::{DrawState, Mode};
+use super::values::{FONT_PX, PartAxis, UnitFrame, number};
+use super::walk::FileWalk;
 use crate::PathFault;
 use kurbo::Affine;
 use svgtypes::{Align, AspectRatio, ViewBox};
@@ -15,7 +16,7 @@ use svgtypes::{Align, AspectRatio, ViewBox};
 /// Sides of a page that names none, px.
 const PAGE_PX: f64 = 100.0;
 
-impl<'d> Walk<'d> {
+impl<'d> FileWalk<'d> {
     /// View box of an element. None: it has none.
     fn view_box(&self, node: XmlNode) -> Result<Option<ViewBox>, PathFault> {
         let Some(text) = node.attribute("viewBox") else {
@@ -84,7 +85,7 @@ impl<'d> Walk<'d> {
     fn page_sides(&self) -> Result<[Option<f64>; 2], PathFault> {
         let root = self.document.root_element();
         let declared = self.sheet.of(root);
-        let frame = Frame {
+        let frame = UnitFrame {
             view: [0.0; 2],
             font_px: FONT_PX,
         };
@@ -96,7 +97,9 @@ impl<'d> Walk<'d> {
                 return Ok(None);
             };
             let Some((part, "%")) = number(text) else {
-                let length = frame.length(text, Axis::X).filter(|length| *length > 0.0);
+                let length = frame
+                    .length(text, PartAxis::X)
+                    .filter(|length| *length > 0.0);
                 return length.map(Some).ok_or_else(|| {
                     self.fault(
                         root,
@@ -127,7 +130,7 @@ impl<'d> Walk<'d> {
                 // A page without a size ends where its drawing does.
                 _ => {
                     let declared = self.sheet.of(root);
-                    let mut state = State::first(Affine::IDENTITY, [PAGE_PX; 2]);
+                    let mut state = DrawState::first(Affine::IDENTITY, [PAGE_PX; 2]);
                     state.mode = Mode::Bounds;
                     let mut end = [0.0_f64; 2];
                     if let Some(state) = self.state(&declared, &state)? {
@@ -165,9 +168,9 @@ impl<'d> Walk<'d> {
     /// Figures of an `svg` within the page, or of a `symbol`, with the sizes of the `use` that draws it.
     pub(super) fn inner_svg(
         &self,
-        declared: &Declared<'d>,
-        by: Option<&Declared<'d>>,
-        state: &State<'d>,
+        declared: &DeclaredStyle<'d>,
+        by: Option<&DeclaredStyle<'d>>,
+        state: &DrawState<'d>,
         sink: Sink,
     ) -> Result<(), PathFault> {
         let node = declared.node;
@@ -187,8 +190,8 @@ impl<'d> Walk<'d> {
             }
         };
         let sides = [
-            side("width", Axis::X, state.view[0])?,
-            side("height", Axis::Y, state.view[1])?,
+            side("width", PartAxis::X, state.view[0])?,
+            side("height", PartAxis::Y, state.view[1])?,
         ];
         if sides.iter().any(|side| *side <= 0.0) {
             return Ok(());
@@ -196,8 +199,8 @@ impl<'d> Walk<'d> {
         let corner = match is_symbol {
             true => [0.0; 2],
             false => [
-                self.length(declared, state, ("x", Axis::X), 0.0)?,
-                self.length(declared, state, ("y", Axis::Y), 0.0)?,
+                self.length(declared, state, ("x", PartAxis::X), 0.0)?,
+                self.length(declared, state, ("y", PartAxis::Y), 0.0)?,
             ],
         };
         let view = self.view_box(node)?;
@@ -206,7 +209,7 @@ impl<'d> Walk<'d> {
             Some(view) => place * self.fitted(node, view, sides)?,
             None => place,
         };
-        let mut inner = State {
+        let mut inner = DrawState {
             map,
             view: view.map_or(sides, |view| [view.w, view.h]),
             ..state.clone()
@@ -216,7 +219,7 @@ impl<'d> Walk<'d> {
         if is_clipped && state.mode == Mode::Draw {
             let edge = rectangle([0.0; 2], sides, [0.0; 2]).mapped(&place);
             let shapes = vec![RegionShape::new(vec![edge], true, true)];
-            inner = inner.clipped(vec![Region { shapes }]);
+            inner = inner.clipped(vec![ClipRegion { shapes }]);
         }
         self.children(node, &inner, sink)
     }

@@ -1,9 +1,9 @@
 //! Walk through the elements of a file: each gives figures, is seen by nobody, or is refused.
 
-use super::css::{Declared, Sheet};
-use super::figure::Figure;
-use super::server::Servers;
-use super::state::{Mode, State};
+use super::css::{DeclaredStyle, Sheet};
+use super::figure::Sink;
+use super::paint::Servers;
+use super::state::{DrawState, Mode};
 use super::style::Style;
 use super::{COPIES_MAX, SVG, XmlNode, layers};
 use crate::PathFault;
@@ -56,11 +56,8 @@ pub(super) const UNDRAWN: [&str; 37] = [
     "link",
 ];
 
-/// Receiver of figures.
-pub(super) type Sink<'s> = &'s mut dyn FnMut(Figure) -> Result<(), PathFault>;
-
 /// A file, and what its elements are looked up in.
-pub(super) struct Walk<'d> {
+pub(super) struct FileWalk<'d> {
     pub(super) document: &'d Document<'d>,
     pub(super) sheet: &'d Sheet<'d>,
     ids: HashMap<&'d str, XmlNode<'d, 'd>>,
@@ -72,7 +69,7 @@ pub(super) struct Walk<'d> {
     namespace: Option<&'d str>,
 }
 
-impl<'d> Walk<'d> {
+impl<'d> FileWalk<'d> {
     pub(super) fn new(document: &'d Document<'d>, sheet: &'d Sheet<'d>) -> Result<Self, PathFault> {
         let mut ids = HashMap::new();
         for node in document.descendants() {
@@ -137,7 +134,7 @@ impl<'d> Walk<'d> {
     pub(super) fn within(
         &self,
         above: &Style,
-        declared: &Declared<'d>,
+        declared: &DeclaredStyle<'d>,
         view: [f64; 2],
     ) -> Result<Style, PathFault> {
         above.within(declared, view).map_err(|(name, value)| {
@@ -152,7 +149,7 @@ impl<'d> Walk<'d> {
     pub(super) fn draw(&self, map: Affine, sink: Sink) -> Result<(), PathFault> {
         let root = self.document.root_element();
         let declared = self.sheet.of(root);
-        let first = State::first(map, self.root_view()?);
+        let first = DrawState::first(map, self.root_view()?);
         if self.is_left_out(&declared, &first.style) {
             return Ok(());
         }
@@ -165,7 +162,7 @@ impl<'d> Walk<'d> {
     pub(super) fn children(
         &self,
         node: XmlNode<'d, 'd>,
-        above: &State<'d>,
+        above: &DrawState<'d>,
         sink: Sink,
     ) -> Result<(), PathFault> {
         for child in node.children() {
@@ -175,7 +172,7 @@ impl<'d> Walk<'d> {
     }
 
     /// Returns true for an element that is left out with all that is in it.
-    pub(super) fn is_left_out(&self, declared: &Declared<'d>, above: &Style) -> bool {
+    pub(super) fn is_left_out(&self, declared: &DeclaredStyle<'d>, above: &Style) -> bool {
         let display = declared.get("display");
         let display = display.and_then(|value| above.value(value));
         display.is_some_and(|value| value.trim().eq_ignore_ascii_case("none"))
@@ -186,7 +183,7 @@ impl<'d> Walk<'d> {
     pub(super) fn element(
         &self,
         node: XmlNode<'d, 'd>,
-        above: &State<'d>,
+        above: &DrawState<'d>,
         sink: Sink,
     ) -> Result<(), PathFault> {
         // Elements of other kinds are not drawn, nor what is in them.
@@ -221,8 +218,8 @@ impl<'d> Walk<'d> {
     /// Figures of an element, in its own state.
     pub(super) fn content(
         &self,
-        declared: &Declared<'d>,
-        state: &State<'d>,
+        declared: &DeclaredStyle<'d>,
+        state: &DrawState<'d>,
         sink: Sink,
     ) -> Result<(), PathFault> {
         let node = declared.node;
@@ -239,7 +236,7 @@ impl<'d> Walk<'d> {
                 match layer {
                     Some(layer) => self.children(
                         node,
-                        &State {
+                        &DrawState {
                             layer,
                             ..state.clone()
                         },
