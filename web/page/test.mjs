@@ -272,8 +272,11 @@ async function keeps() {
         await tab.setInputFiles("#file", { name, mimeType: "text/plain", buffer: Buffer.from(bytes, "latin1") });
         await tab.waitForFunction((words) => document.querySelector("#verdict").textContent === words, words);
     };
-    await refused("latin.nc", "G21\n(caf\xe9)\n", "latin.nc: line 2: the line is no UTF-8");
-    await refused("returns.nc", "G21\r\nG0 X1\r\r\n", "returns.nc: line 2: the line has a line break in it");
+    await refused("latin.toml", "a = 1\n# caf\xe9\n", "latin.toml: line 2: the line is no UTF-8");
+    await refused("returns.toml", "a = 1\r\nb = 2\r\r\n", "returns.toml: line 2: the line has a line break in it");
+    // G-code is read in letters of any form, and with any ends of lines.
+    await tab.setInputFiles("#file", { name: "latin.nc", mimeType: "text/plain", buffer: Buffer.from("G21\r\r\n(caf\xe9)\rG0 X1", "latin1") });
+    await tab.waitForFunction(() => document.querySelector("#text").value === "G21\n(caf\xe9)\nG0 X1");
     await tab.close();
 }
 

@@ -170,6 +170,9 @@ pub fn finish_job(
     builder.repeat(repeat)?;
     let mut watch = std::mem::take(&mut builder.reader.watch);
     watch.repeats(repeat);
+    if !matches!(places, PlacesIn::Lines) {
+        watch.is_drawn();
+    }
     Ok(ReadJob {
         pauses: std::mem::take(&mut builder.reader.pauses),
         watch,

@@ -20,6 +20,8 @@ pub struct JobWatch {
     program: Option<GcodeRemarks>,
     /// The path is played so many times.
     repeat: u32,
+    /// Numbers of elements are no lines of the file.
+    is_drawn: bool,
     at_m: [f64; 2],
     is_on: bool,
     switches: bool,
@@ -100,6 +102,11 @@ impl JobWatch {
         self.program = Some(found);
     }
 
+    /// Numbers of the elements are those of shapes or rows, and no lines of the file.
+    pub(crate) fn is_drawn(&mut self) {
+        self.is_drawn = true;
+    }
+
     /// The path is played so many times.
     pub fn repeats(&mut self, times: u32) {
         self.repeat = times;
@@ -108,9 +115,12 @@ impl JobWatch {
     /// Remarks, once the job is planned in `scene`.
     pub fn remarks(&self, scene: &Scene) -> Vec<PathRemark> {
         let mut remarks = self.said.clone();
-        remarks.extend(self.never_on(scene));
-        remarks.extend(self.dwells());
-        remarks.extend(self.pace(scene.duration_s()));
+        let found = self.never_on(scene).into_iter().chain(self.dwells());
+        let found = found.chain(self.pace(scene.duration_s()));
+        remarks.extend(found.map(|remark| PathRemark {
+            line: if self.is_drawn { 0 } else { remark.line },
+            ..remark
+        }));
         remarks
     }
 

@@ -63,6 +63,12 @@ fn what_was_hardly_meant_is_told() {
             &["--speed", "6000"],
             "warning: 1 line or curve lies on others",
         ),
+        (
+            "a.svg",
+            "<svg xmlns='http://www.w3.org/2000/svg' width='9mm' height='9mm' viewBox='0 0 9 9'><path d='M0 0H2V2' fill='none' stroke='red'/></svg>",
+            &["--speed", "600000", "--scale", "0.1"],
+            "warning: on the whole the job is played at",
+        ),
     ] {
         for command in ["check", "run", "plan"] {
             let fast = if command == "run" {

@@ -4,6 +4,7 @@
 export async function textOf(file: File): Promise<string> {
     const bytes = new Uint8Array(await file.arrayBuffer());
     if (/\.svgz?$/i.test(file.name)) return drawingOf(file.name, bytes);
+    if (/\.(gcode|nc|ngc|tap)$/i.test(file.name)) return program(bytes);
     let text: string;
     try {
         text = new TextDecoder("utf-8", { fatal: true }).decode(bytes);
@@ -33,6 +34,22 @@ async function drawingOf(name: string, bytes: Uint8Array<ArrayBuffer>): Promise<
     } catch {
         throw new Error(`${name}: line ${lineOf(bytes)}: the line is not in ${encoding}; save the file as UTF-8`);
     }
+}
+
+/** Text of G-code: in UTF-16 by its mark, in UTF-8, or in letters of eight bits; its lines end as lines of the editor do. */
+function program(bytes: Uint8Array): string {
+    const mark = (bytes[0] ?? 0) * 256 + (bytes[1] ?? 0);
+    const decoded = (form: string, fatal = false): string => new TextDecoder(form, { fatal }).decode(bytes);
+    const text = (): string => {
+        if (mark === 0xfffe) return decoded("utf-16le");
+        if (mark === 0xfeff) return decoded("utf-16be");
+        try {
+            return decoded("utf-8", true);
+        } catch {
+            return decoded("windows-1252");
+        }
+    };
+    return text().replace(/\r+\n/g, "\n").replace(/\r/g, "\n");
 }
 
 /** Number of the first line that is no UTF-8. */

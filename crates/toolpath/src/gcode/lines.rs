@@ -5,6 +5,9 @@ use std::io::{self, BufRead};
 /// Most bytes of comments that are kept of a line.
 const COMMENT_MOST: usize = 200;
 
+/// Most bytes of words that are read of a line, white space with them.
+const LONGEST_READ: usize = LONGEST + 100;
+
 /// Byte that ends the text of a file on DOS (Ctrl-Z).
 const END_OF_TEXT: u8 = 0x1a;
 
@@ -109,6 +112,11 @@ impl<R: BufRead> FileLines<R> {
         let (mut place, mut words, mut comments) = (LinePlace::Words, 0, 0);
         let mut is_first = true;
         loop {
+            if place == LinePlace::Words {
+                let taken = self.take_words(line, LONGEST_READ - words)?;
+                words += taken;
+                is_first &= taken == 0;
+            }
             let Some(byte) = self.byte()? else {
                 return Ok(!is_first);
             };
@@ -133,7 +141,7 @@ impl<R: BufRead> FileLines<R> {
             }
             place = place.behind(byte);
             let (count, most) = match place {
-                LinePlace::Words => (&mut words, LONGEST + 100),
+                LinePlace::Words => (&mut words, LONGEST_READ),
                 _ => (&mut comments, COMMENT_MOST),
             };
             *count += 1;
@@ -145,6 +153,26 @@ impl<R: BufRead> FileLines<R> {
                 true => {}
             }
         }
+    }
+
+    /// Takes what the reader has of a line's words in one piece, at most so many bytes of it. Returns their number.
+    fn take_words(&mut self, line: &mut Vec<u8>, most: usize) -> Result<usize, LineFault> {
+        if self.form != Some(TextForm::EightBit)
+            || !self.decoded.is_empty()
+            || self.peek()?.is_none()
+        {
+            return Ok(0);
+        }
+        let bytes = self.reader.fill_buf().map_err(LineFault::Read)?;
+        let is_end = |byte: &u8| matches!(*byte, b'\n' | b'\r' | b'(' | b';' | END_OF_TEXT | 0);
+        let taken = bytes
+            .iter()
+            .position(is_end)
+            .unwrap_or(bytes.len())
+            .min(most);
+        line.extend_from_slice(&bytes[..taken]);
+        self.reader.consume(taken);
+        Ok(taken)
     }
 
     /// Next byte of the text.
