@@ -93,7 +93,8 @@ function clips(element, svg) {
 function slackOf(element, { a, b, c, d }) {
     const box = element.getBBox();
     const isRound = ["circle", "ellipse", "rect"].includes(element.localName) || /a/i.test(element.getAttribute("d") ?? "");
-    return isRound ? 2.8e-4 * Math.max(box.width, box.height) * Math.hypot(a, b, c, d) : 0;
+    // An arc of a path may be of a larger circle than its box.
+    return isRound ? 5e-4 * Math.max(box.width, box.height) * Math.hypot(a, b, c, d) : 0;
 }
 function dashes(element) {
     const style = getComputedStyle(element);
@@ -105,7 +106,7 @@ function dashes(element) {
     // Near an end both are right. Lengths of curves are those of some chords, in the browser.
     const isStraight = ["line", "polyline", "polygon"].includes(element.localName) || !/[csqta]/i.test(element.getAttribute("d") ?? "c");
     return (length) => {
-        const loose = isStraight ? 0.05 : 0.05 + 0.02 * length;
+        const loose = isStraight ? 0.05 : 0.3 + 0.02 * length;
         let place = (((length + offset) % whole) + whole) % whole;
         let near = Math.min(place, whole - place);
         let index = 0;

@@ -355,11 +355,12 @@ impl Random {
             }
         }
         // A move at the end draws nothing, and counts for the size of the path in the browser alone.
-        match data.rfind(|letter: char| letter.is_ascii_alphabetic()) {
-            Some(last) if last > 0 && data[last..].starts_with(['m', 'M']) => {
-                data[..last].to_owned()
+        while let Some(last) = data.rfind(|letter: char| letter.is_ascii_alphabetic()) {
+            if last == 0 || !data[last..].starts_with(['m', 'M']) {
+                break;
             }
-            _ => data,
+            data.truncate(last);
         }
+        data
     }
 }

@@ -15,6 +15,12 @@ const BATCH: u64 = 250;
 /// Pixels of SVG in a metre.
 const PIXELS: f64 = 96.0 / 0.0254;
 
+/// Number that the environment gives, or else `usual`.
+fn number(name: &str, usual: u64) -> u64 {
+    let given = std::env::var(name).ok();
+    given.and_then(|text| text.parse().ok()).unwrap_or(usual)
+}
+
 /// Strokes of a file as lists of coordinates in pixels, from the lower left corner of the page; or the refusal.
 fn strokes(text: &str) -> String {
     let drawing = match read_svg(text) {
@@ -73,14 +79,8 @@ fn differences(seeds: std::ops::Range<u64>, folder: &Path) -> Vec<String> {
 #[test]
 #[ignore = "needs chromium; ten thousand drawings take half an hour: TRIRRR_DRAWINGS sets another number"]
 fn random_drawings_have_the_outlines_of_a_browser() {
-    let count = std::env::var("TRIRRR_DRAWINGS")
-        .ok()
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(10_000);
-    let first = std::env::var("TRIRRR_FIRST")
-        .ok()
-        .and_then(|text| text.parse().ok())
-        .unwrap_or(0);
+    let count = number("TRIRRR_DRAWINGS", 10_000);
+    let first = number("TRIRRR_FIRST", 0);
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("svg-random");
     fs::create_dir_all(&folder).expect("a folder");
     let mut found = Vec::new();
@@ -103,7 +103,7 @@ fn random_drawings_have_the_outlines_of_a_browser() {
 /// Nothing panics, whatever bytes of a file are others, or gone.
 #[test]
 fn damaged_drawings_are_refused_or_drawn() {
-    for seed in 0..60 {
+    for seed in 0..number("TRIRRR_DAMAGED", 60) {
         let mut random = Random::new(seed);
         let text = random.file().into_bytes();
         for _ in 0..8 {
