@@ -106,6 +106,8 @@ function dashes(element) {
     // Near an end both are right. Lengths of curves are those of some chords, in the browser.
     const isStraight = ["line", "polyline", "polygon"].includes(element.localName) || !/[csqta]/i.test(element.getAttribute("d") ?? "c");
     return (length) => {
+        // Of a small curve the browser's length is that of a few chords.
+        if (!isStraight && element.getTotalLength() < 25) return undefined;
         const loose = isStraight ? 0.05 : 0.3 + 0.02 * length;
         let place = (((length + offset) % whole) + whole) % whole;
         let near = Math.min(place, whole - place);
