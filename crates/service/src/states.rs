@@ -11,11 +11,11 @@ use State::{
 use Transition::{Kept, Refused, To};
 use trirrr_protocol::message::State;
 
-/// What a machine knows about the place where it stands: the state in which it stands there with its drives on.
+/// Knowledge of a machine about the place where it stands: the state in which it stands there with its drives on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Known(State);
 
-/// What may change the state of a machine.
+/// An event that may change the state of a machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Trigger {
     /// The job is to begin, with the probe or without.
@@ -66,7 +66,7 @@ pub(crate) enum Trigger {
     Reacted,
 }
 
-/// What a trigger does in a state.
+/// Effect of a trigger in a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Transition {
     /// This state follows. It may be the same, for another reason.
@@ -86,7 +86,7 @@ impl Known {
     pub(crate) const NOTHING: Self = Self(Unhomed);
 }
 
-/// What `trigger` does to a machine in `state`.
+/// Effect of `trigger` on a machine in `state`.
 #[inline(always)]
 pub(crate) const fn next(state: State, trigger: Trigger) -> Transition {
     match (trigger, state) {
