@@ -550,7 +550,7 @@ fn what_is_no_line_is_left_out_beside_lines() {
         assert_eq!(found.strokes.len(), 1);
         let told = remarks(&found);
         assert!(
-            told.starts_with("line 6") && told.contains(&format!("2 {kind}s are left out")),
+            told.starts_with("line 6") && told.contains(&format!("2 entities {kind} are left out")),
             "{told}"
         );
         assert!(
@@ -570,6 +570,12 @@ fn what_is_no_line_is_left_out_beside_lines() {
             kind
         );
     }
+    // A mesh is a polyline in the file.
+    let mesh = format!(
+        "{line} 0 POLYLINE 8 0 66 1 70 16 71 2 72 2 0 VERTEX 8 0 10 0 20 0 30 0 70 64 0 SEQEND 8 0"
+    );
+    let found = drawing(&mesh);
+    assert!(found.strokes.len() == 1 && remarks(&found).contains("--leave-out mesh"));
     // What may be a line is refused, and left out on request; kinds that are drawn, too.
     let text = file(
         "",
@@ -598,10 +604,7 @@ fn line_types_and_lines_of_no_length_are_told() {
         told.contains("line type DASHED") && told.contains("1 stroke is"),
         "{told}"
     );
-    assert!(
-        told.contains("2 lines are of no length") || told.contains("2 lines are"),
-        "{told}"
-    );
+    assert!(told.contains("2 lines of no length are left out"), "{told}");
     let dashed = file("", entities).replace(
         "cut\n70\n0\n62\n1\n6\nCONTINUOUS",
         "cut\n70\n0\n62\n1\n6\nCENTER",

@@ -55,7 +55,7 @@ fn what_was_hardly_meant_is_told() {
             "a.dxf",
             "0\nSECTION\n2\nENTITIES\n0\nTEXT\n8\n0\n0\nLINE\n8\n0\n10\n0\n20\n0\n11\n9\n21\n0\n0\nENDSEC\n0\nEOF\n",
             &["--speed", "6000"],
-            "warning: line 6: 1 TEXT is left out",
+            "warning: line 6: 1 entity TEXT is left out",
         ),
         (
             "a.svg",

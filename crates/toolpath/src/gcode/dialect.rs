@@ -16,6 +16,8 @@ const GRBL: &str = "save the program for GRBL or LinuxCNC";
 
 const MARLIN: ForeignDialect = dialect("G-code of 3D printers (Marlin)", GRBL);
 const REPRAP: ForeignDialect = dialect("G-code of 3D printers (RepRap)", GRBL);
+const SHOPBOT: ForeignDialect = dialect("a program for ShopBot machines", GRBL);
+const ISEL: ForeignDialect = dialect("a program for isel machines (NCP)", GRBL);
 const KLIPPER: ForeignDialect = dialect("G-code of 3D printers (Klipper)", GRBL);
 const HEIDENHAIN: ForeignDialect = dialect("a program for Heidenhain controls", GRBL);
 const SINUMERIK: ForeignDialect = dialect("a program for Siemens controls (Sinumerik)", GRBL);
@@ -37,7 +39,7 @@ const fn dialect(name: &'static str, remedy: &'static str) -> ForeignDialect {
 }
 
 /// First words of files, with their formats.
-const HEADS: [(&str, ForeignDialect); 15] = [
+const HEADS: [(&str, ForeignDialect); 18] = [
     ("GIF8", IMAGE),
     ("\u{89}PNG", IMAGE),
     ("PK\u{3}\u{4}", IMAGE),
@@ -53,6 +55,9 @@ const HEADS: [(&str, ForeignDialect); 15] = [
     ("\u{1b}.", HPGL),
     ("%_N_", SINUMERIK),
     ("BEGIN PGM", HEIDENHAIN),
+    ("'SHOPBOT", SHOPBOT),
+    ("IMF_PBL", ISEL),
+    ("FASTABS", ISEL),
 ];
 
 /// Codes that dialects have for themselves, by their numbers.
@@ -139,6 +144,12 @@ fn by_words<'t>(words: &'t str, upper: &str, line: &'t str) -> Option<(ForeignDi
             .unwrap_or(digits.len());
         digits[..end].parse().ok()
     };
+    // An asterisk ends each line: behind a number in programs of DIN/ISO for Heidenhain controls, else in Gerber files.
+    if line.ends_with('*') || line.ends_with("*%") {
+        let is_program = number('N').is_some() || upper.starts_with('%') && upper.contains(" G7");
+        let dialect = if is_program { HEIDENHAIN } else { GERBER };
+        return Some((dialect, line));
+    }
     let behind_number = words.split_whitespace().nth(1).unwrap_or_default();
     if number('N').is_some() && !behind_number.is_empty() {
         let rest = words[first.len()..].trim_start();
@@ -164,6 +175,10 @@ fn by_words<'t>(words: &'t str, upper: &str, line: &'t str) -> Option<(ForeignDi
     if is_hpgl {
         return Some((HPGL, line.split_inclusive(';').next().unwrap_or(line)));
     }
+    let shopbot = ["J2,", "J3,", "M2,", "M3,", "JZ,", "MZ,", "MS,", "JS,"];
+    if shopbot.iter().any(|word| upper.starts_with(word)) {
+        return Some((SHOPBOT, words));
+    }
     match number('M') {
         Some(48) if first.len() == 3 && words.len() == 3 => return Some((EXCELLON, first)),
         Some(code) if PRINTERS_M.contains(&code) => return Some((MARLIN, first)),
@@ -172,11 +187,6 @@ fn by_words<'t>(words: &'t str, upper: &str, line: &'t str) -> Option<(ForeignDi
     }
     if matches!(number('G'), Some(29)) {
         return Some((MARLIN, first));
-    }
-    if upper.starts_with("G04 ") && line.ends_with('*')
-        || words.ends_with('*') && upper.starts_with("%")
-    {
-        return Some((GERBER, words));
     }
     // A word of the extruder, in a motion or in G92.
     let is_motion = matches!(number('G'), Some(0..=3 | 92));

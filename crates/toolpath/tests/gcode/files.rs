@@ -142,6 +142,17 @@ fn utf_16_is_read_by_its_mark() {
 fn other_dialects_are_named() {
     for (text, line, name, told) in [
         (
+            "%NEU G71 *\nN10 G30 G17 X+0 Y+0 Z-40*\n",
+            1,
+            "Heidenhain",
+            "line 1",
+        ),
+        ("N10 G00 G40 G90 Z+250*\n", 1, "Heidenhain", "line 1"),
+        ("G04 a layer*\nX0Y0D02*\n", 1, "Gerber", "line 1"),
+        ("'SHOPBOT ROUTER FILE IN MM\nSA\n", 1, "ShopBot", "line 1"),
+        ("M3,10,5,-2\n", 1, "ShopBot", "line 1"),
+        ("IMF_PBL_V1.0\n", 1, "isel", "line 1"),
+        (
             "; FLAVOR:Marlin\nG21\nM82\n",
             3,
             "Marlin",

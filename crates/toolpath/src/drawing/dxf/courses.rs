@@ -111,11 +111,15 @@ pub(super) fn ellipse(place: &Affine, part: &Ellipse, named: &Named) -> Result<C
     Ok((chain.start, chain.curves))
 }
 
+/// Reason to leave a mesh out.
+pub(super) const MESH: &str = "a mesh of surfaces is no line; explode it to lines and arcs";
+
+/// Returns true for a polyline that has surfaces.
+pub(super) fn is_mesh(line: &Polyline) -> bool {
+    line.is_3d_polygon_mesh() || line.is_polyface_mesh()
+}
+
 pub(super) fn vertices(line: &Polyline, named: &Named) -> Result<Vec<([f64; 2], f64)>, PathFault> {
-    if line.is_3d_polygon_mesh() || line.is_polyface_mesh() {
-        let reason = "a mesh of surfaces is no line; explode it";
-        return Err(fault(named.line, &named.name, reason));
-    }
     let shown: Vec<_> = line
         .vertices()
         .filter(|vertex| vertex.flags & CONTROL_VERTEX == 0)

@@ -176,7 +176,7 @@ impl ToldEntities {
                 *line,
                 format!(
                     "{} left out: {reason}; --leave-out {small} leaves it out without a word",
-                    times(*count, kind)
+                    times(*count, ["entity", "entities"], &format!(" {kind}"))
                 ),
             );
         }
@@ -185,24 +185,27 @@ impl ToldEntities {
                 *line,
                 format!(
                     "the gaps of line type {kind} are not drawn: {} drawn as whole lines",
-                    times(*count, "stroke")
+                    times(*count, ["stroke", "strokes"], "")
                 ),
             );
         }
         if let (count @ 1.., line) = self.points {
             say(
                 line,
-                format!("{} of no length left out", times(count, "line")),
+                format!(
+                    "{} left out",
+                    times(count, ["line", "lines"], " of no length")
+                ),
             );
         }
     }
 }
 
-/// Number of things, and the verb.
-fn times(count: usize, thing: &str) -> String {
+/// Number of things, their name behind it, and the verb.
+fn times(count: usize, thing: [&str; 2], name: &str) -> String {
     match count {
-        1 => format!("1 {thing} is"),
-        count => format!("{count} {thing}s are"),
+        1 => format!("1 {}{name} is", thing[0]),
+        count => format!("{count} {}{name} are", thing[1]),
     }
 }
 

@@ -2,7 +2,8 @@
 
 use super::colour::{LayerLook, colour};
 use super::courses::{
-    Course, ellipse, facing, level, polygon, polyline, quadrangle, round, vertices, xy,
+    Course, MESH, ellipse, facing, is_mesh, level, polygon, polyline, quadrangle, round, vertices,
+    xy,
 };
 use super::curves::{Outline, sweep};
 use super::fit::FitCurve;
@@ -129,6 +130,12 @@ impl Reader<'_> {
             }
             let colour = colour(&entity.common, layer_colour, frame.colour);
             match &entity.specific {
+                EntityType::Polyline(mesh) if is_mesh(mesh) => {
+                    if !self.choices.leaves_out(layer, "MESH") {
+                        let kind = self.told.left_out.entry("MESH".into());
+                        kind.or_insert((0, named.line, MESH)).0 += 1;
+                    }
+                }
                 EntityType::Insert(insert) => self.insert(insert, named, (layer, colour), frame)?,
                 other => self.draw(other, named, (layer, colour), frame)?,
             }
