@@ -90,7 +90,7 @@ pub(super) fn add(
     if figure.stroke.is_none() && ink.rgb == Some([255; 3]) && covers(&filled, page_m) {
         let place = walk.fault(figure.node, String::new());
         let text = format!(
-            "{}: a white area covers the page, and is drawn as every other; remove it if it is the paper, or leave it out: --pen \"#ffffff=off\"",
+            "{}: a white area covers the page; if it is the paper, remove it, or leave it out: --pen \"#ffffff=off\"",
             place.word
         );
         drawing.remarks.push(PathRemark::new(place.line, text));
