@@ -51,7 +51,7 @@ impl Host {
         // None is repeated, so any checksum will do.
         let reply = self
             .background
-            .receive(&Request { sequence, command }, sequence);
+            .answer(&Request { sequence, command }, sequence);
         self.sequence = match &reply {
             Reply::Hello(identity) => identity.next_sequence,
             _ => sequence.wrapping_add(1),
