@@ -3,7 +3,7 @@
 use super::args::StreamArgs;
 use super::display::Display;
 use super::journal::{JobKey, Journal};
-use super::session::{Session, StreamEnd};
+use super::session::{Session, StreamEnd, ToldInputs};
 use super::summary::{self, Account};
 use super::work::StreamWork;
 use super::{conversation, patience};
@@ -150,7 +150,7 @@ impl<N: ServiceNumber> Stream<'_, N> {
             is_resumed: begun.is_some(),
             uses_tool,
             goes_back: false,
-            inputs: None,
+            inputs: ToldInputs::default(),
             failure: None,
             last: None,
         };

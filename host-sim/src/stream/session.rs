@@ -61,11 +61,23 @@ pub(super) struct Session<'a, N: Transmit> {
     /// The user has the job resumed behind a door: the rest begins where the tool went off.
     pub(super) goes_back: bool,
     /// Inputs, as they were told last.
-    pub(super) inputs: Option<InputStates>,
+    pub(super) inputs: ToldInputs,
     /// A message could not be recorded.
     pub(super) failure: Option<CliError>,
     /// The job has ended; its last samples are waited for until then.
     pub(super) last: Option<Duration>,
+}
+
+/// Inputs, as a user was told of them; at first as they were.
+#[derive(Default)]
+pub(super) struct ToldInputs(Option<InputStates>);
+
+impl ToldInputs {
+    /// Returns the changes to `now`, which the user is told of, in words.
+    fn changes(&mut self, now: &InputStates) -> Option<String> {
+        let before = self.0.replace(*now)?;
+        describe::input_changes(Some(&before), now)
+    }
 }
 
 impl<N: Transmit> Dialogue<N> for Session<'_, N> {
@@ -99,13 +111,6 @@ impl<N: Transmit> Dialogue<N> for Session<'_, N> {
             Message::Event(Event::State { state, acting, .. }) => {
                 self.display.state(*state, *acting);
             }
-            Message::Event(Event::Inputs(states)) => {
-                let before = self.client.status().map(|status| status.inputs);
-                let before = self.inputs.replace(*states).or(before);
-                if let Some(text) = describe::input_changes(before.as_ref(), states) {
-                    self.display.note(&text);
-                }
-            }
             // To a resume by the user: the job goes on waiting.
             Message::Reply {
                 reply: Reply::Refused(refusal @ Refusal::DoorOpen),
@@ -114,6 +119,11 @@ impl<N: Transmit> Dialogue<N> for Session<'_, N> {
             Message::Event(_) | Message::Reply { .. } => {}
         }
         self.client.receive(message, now);
+        // A status may tell of inputs before their event comes.
+        let status = self.client.status();
+        if let Some(text) = status.and_then(|status| self.inputs.changes(&status.inputs)) {
+            self.display.note(&text);
+        }
     }
 
     fn stop(&mut self) {
@@ -278,5 +288,29 @@ impl<N: Transmit> Session<'_, N> {
             Lost::Inadmissible { .. } | Lost::OtherTool(_) => CliError::Refused(text),
             _ => CliError::Failed(text),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ToldInputs;
+    use trirrr_protocol::message::{InputState, InputStates};
+
+    /// A status or an event may be the first to tell of a door: the user is told once.
+    #[test]
+    fn a_door_is_told_once_whatever_tells_of_it() {
+        let closed = InputStates {
+            door: InputState::Clear,
+            ..InputStates::ABSENT
+        };
+        let open = InputStates {
+            door: InputState::Active,
+            ..closed
+        };
+        let mut told = ToldInputs::default();
+        assert_eq!(told.changes(&closed), None);
+        assert_eq!(told.changes(&open).as_deref(), Some("door open"));
+        assert_eq!(told.changes(&open), None);
+        assert_eq!(told.changes(&closed).as_deref(), Some("door closed"));
     }
 }

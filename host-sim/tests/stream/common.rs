@@ -5,7 +5,7 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::mpsc::{Receiver, channel};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use tempfile::TempDir;
 use trirrr_line::{Frames, Link};
 use trirrr_protocol::message::{Command as Ask, Message, Reply, Request, Telemetry};
@@ -81,8 +81,11 @@ impl Lines {
 
     /// Waits for a line that holds `part`.
     pub(crate) fn wait_for(&mut self, part: &str) -> String {
+        let end = Instant::now() + LIMIT;
         loop {
-            let Ok(line) = self.lines.recv_timeout(LIMIT) else {
+            // Other lines, of which there may be one a second, give no more time.
+            let left = end.saturating_duration_since(Instant::now());
+            let Ok(line) = self.lines.recv_timeout(left) else {
                 panic!("{part:?} did not come, but\n{}", self.seen);
             };
             self.seen += &format!("{line}\n");
