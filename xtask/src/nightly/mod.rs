@@ -94,7 +94,7 @@ fn zenoh() -> [Step; 4] {
         step.command.args(rest);
         step
     };
-    let rules = ["check", "--config", "clients/zenoh/deny.toml"];
+    let rules = ["--config", "clients/zenoh/deny.toml", "check"];
     let rules = [rules.as_slice(), &["bans", "licenses", "sources"]].concat();
     let lints = ["--quiet", "--all-targets", "--", "-Dwarnings"];
     let tests = ["--", "--include-ignored", "--nocapture", "--test-threads=1"];
