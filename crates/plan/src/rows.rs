@@ -31,7 +31,7 @@ pub enum Limited {
 
 /// Limits of a cell that were lowered for moves, and why.
 #[cfg(feature = "std")]
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub(crate) struct Lowered<B> {
     /// Reason of the next lowering.
     next: Option<Limited>,

@@ -423,34 +423,30 @@ fn judged(scene: &Scene, moves: &[JobMove], others: &[JobMove]) -> Vec<Judged> {
     };
     let judged = |judgement: Judgement| match judgement {
         Ok(_) => Judged::Kept,
-        Err(Objection::Limit(violation)) => match violation.what {
-            Bounded::Rate
-            | Bounded::Acceleration
-            | Bounded::Torque
-            | Bounded::Power
-            | Bounded::Jerk
-            | Bounded::AccelerationJump => Judged::Exceeded(
-                violation.value / violation.limit - 1.0,
-                exceeded(&violation),
-            ),
-            _ => Judged::Refused,
+        Err(Objection::Limit(violation)) => match exceeded(&violation) {
+            Some(what) => Judged::Exceeded(violation.value / violation.limit - 1.0, what),
+            None => Judged::Refused,
         },
         Err(_) => Judged::Refused,
     };
     judgements.into_iter().map(judged).collect()
 }
 
-/// The quantity that a move takes too much of; what is not certain is not proven in the number type.
-fn exceeded(violation: &Violation<f64>) -> Limited {
+/// The quantity of a motor that a move takes too much of, if it is one; what is not certain is not proven in the number type.
+fn exceeded(violation: &Violation<f64>) -> Option<Limited> {
     let motor = violation.index.map_or(0, usize::from);
-    match violation.what {
-        _ if !violation.certain => Limited::Number,
+    let what = match violation.what {
         Bounded::Rate => Limited::Rate(motor),
+        Bounded::Acceleration | Bounded::AccelerationJump => Limited::Acceleration(motor),
         Bounded::Torque => Limited::Torque(motor),
         Bounded::Power => Limited::Power(motor),
         Bounded::Jerk => Limited::Jerk(motor),
-        _ => Limited::Acceleration(motor),
-    }
+        _ => return None,
+    };
+    Some(match violation.certain {
+        true => what,
+        false => Limited::Number,
+    })
 }
 
 /// Converts planned moves of `path` to moves of a job.

@@ -86,6 +86,17 @@ impl Known {
     pub(crate) const NOTHING: Self = Self(Unhomed);
 }
 
+impl Transition {
+    /// State that follows, if one does.
+    #[inline(always)]
+    pub(crate) fn state(self) -> Option<State> {
+        match self {
+            To(state) => Some(state),
+            Kept | Refused => None,
+        }
+    }
+}
+
 /// Effect of `trigger` on a machine in `state`.
 #[inline(always)]
 pub(crate) const fn next(state: State, trigger: Trigger) -> Transition {

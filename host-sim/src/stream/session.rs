@@ -76,7 +76,8 @@ impl ToldInputs {
     /// Returns the changes to `now`, which the user is told of, in words.
     fn changes(&mut self, now: &InputStates) -> Option<String> {
         let before = self.0.replace(*now)?;
-        describe::input_changes(Some(&before), now)
+        // Each message asks, and few tell of another state.
+        (before != *now).then(|| describe::input_changes(Some(&before), now))?
     }
 }
 

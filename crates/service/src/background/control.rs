@@ -101,10 +101,8 @@ impl<N: ServiceNumber, S: Scene<N = N>> Background<'_, S> {
     /// Returns the state that `trigger` leads to, or the refusal of a command that does not fit the state.
     #[inline(always)]
     pub(super) fn leads(&self, trigger: Trigger) -> Result<State, Refusal<N>> {
-        match next(self.status.state, trigger) {
-            Transition::To(state) => Ok(state),
-            _ => Err(Refusal::State(self.status.state)),
-        }
+        let follows = next(self.status.state, trigger).state();
+        follows.ok_or(Refusal::State(self.status.state))
     }
 
     /// In every state: the pace changes where the machine moves, and holds from then on.

@@ -437,7 +437,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E>
             return;
         }
         self.host.silent = self.host.silent.saturating_add(1);
-        let moves = matches!(next(self.state, Trigger::Silence), Transition::To(_));
+        let moves = self.leads(Trigger::Silence).is_some();
         if moves && self.host.timeout_ticks != 0 && self.host.silent >= self.host.timeout_ticks {
             self.miss_host();
         }
@@ -482,10 +482,7 @@ impl<'q, N: ServiceNumber, S: Scene<N = N>, E: TickEnds<S>> Foreground<'q, S, E>
     /// Returns the state that `trigger` leads to, if it leads on.
     #[inline(always)]
     pub(super) fn leads(&self, trigger: Trigger) -> Option<State> {
-        match next(self.state, trigger) {
-            Transition::To(state) => Some(state),
-            _ => None,
-        }
+        next(self.state, trigger).state()
     }
 
     #[inline(never)]

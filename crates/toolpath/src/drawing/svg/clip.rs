@@ -2,6 +2,7 @@
 
 use super::XmlNode;
 use super::css::DeclaredStyle;
+use super::figure::SeenFigure;
 use super::paint::SEEN;
 use super::path::rectangle;
 use super::region::{ClipRegion, RegionShape};
@@ -10,7 +11,7 @@ use super::style::{Ink, reference};
 use super::values::PartAxis;
 use super::walk::FileWalk;
 use crate::PathFault;
-use kurbo::Affine;
+use kurbo::{Affine, Rect};
 use std::rc::Rc;
 
 /// Opacity from which a mask shows a shape as it is.
@@ -77,9 +78,7 @@ impl<'d> FileWalk<'d> {
             let Some(bounds) = self.bounds(by, state)?.filter(|all| all.area() > 0.0) else {
                 return Ok(None);
             };
-            map = map
-                * Affine::translate(bounds.origin().to_vec2())
-                * Affine::scale_non_uniform(bounds.width(), bounds.height());
+            map *= of_box(bounds);
             view = [1.0; 2];
         }
         Ok(Some(DrawState {
@@ -113,12 +112,7 @@ impl<'d> FileWalk<'d> {
             }
             inner.mode = Mode::Clip;
             self.children(node, &inner, &mut |figure| {
-                let chains = figure.chains.iter().map(|chain| chain.mapped(&figure.map));
-                shapes.push(RegionShape::new(
-                    chains.collect(),
-                    figure.style.clips_non_zero,
-                    true,
-                ));
+                shapes.push(region_of(&figure, figure.style.clips_non_zero, true));
                 Ok(())
             })?;
         }
@@ -167,12 +161,7 @@ impl<'d> FileWalk<'d> {
                 if !figure.regions.is_empty() {
                     return Err(refused(figure.node, "a clip"));
                 }
-                let chains = figure.chains.iter().map(|chain| chain.mapped(&figure.map));
-                shapes.push(RegionShape::new(
-                    chains.collect(),
-                    figure.style.is_non_zero,
-                    adds,
-                ));
+                shapes.push(region_of(&figure, figure.style.is_non_zero, adds));
                 Ok(())
             })?;
         }
@@ -189,9 +178,7 @@ impl<'d> FileWalk<'d> {
                 let Some(bounds) = self.bounds(by, state)? else {
                     return Ok(());
                 };
-                inner.map = inner.map
-                    * Affine::translate(bounds.origin().to_vec2())
-                    * Affine::scale_non_uniform(bounds.width(), bounds.height());
+                inner.map *= of_box(bounds);
                 inner.view = [1.0; 2];
             }
             let [width, height] = inner.view;
@@ -217,4 +204,16 @@ impl<'d> FileWalk<'d> {
         }
         Ok(())
     }
+}
+
+/// From parts of a bounding box to user units.
+fn of_box(bounds: Rect) -> Affine {
+    Affine::translate(bounds.origin().to_vec2())
+        * Affine::scale_non_uniform(bounds.width(), bounds.height())
+}
+
+/// Inside of a figure: added to a region, or taken out.
+fn region_of(figure: &SeenFigure, is_non_zero: bool, adds: bool) -> RegionShape {
+    let chains = figure.chains.iter().map(|chain| chain.mapped(&figure.map));
+    RegionShape::new(chains.collect(), is_non_zero, adds)
 }
